@@ -1,0 +1,64 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace swiftlet {
+
+/// Byte layout of a map blob (docs/map_format.md): little-endian, every section 8-byte aligned, offsets from the first
+/// byte. Included by the writer (offline_tools/map) and the reader (BoxGraphView), so the layout exists once.
+inline constexpr std::array<char, 8> kBlobMagic{'S', 'W', 'I', 'F', 'T', 'M', 'A', 'P'};
+inline constexpr std::uint32_t kBlobByteOrderMark = 0x01020304;
+inline constexpr std::uint32_t kBlobVersion = 1;
+inline constexpr std::size_t kCellsPerIndexLeaf = 8;
+
+/// What the builder did with space that was never observed (contract.md).
+enum class UnknownPolicy : std::uint32_t { kAvoid = 0, kOccupied = 1, kFree = 2 };
+
+enum class BlobSection : std::uint32_t {
+  kCells,             ///< BlobBox x cell_count: disjoint cells
+  kExtents,           ///< BlobBox x cell_count: the extent of each cell
+  kNeighbourOffsets,  ///< u32 x (cell_count + 1): CSR row starts into kNeighbours
+  kNeighbours,        ///< u32 x neighbour_count: cells that share a window, ascending in each row, symmetric
+  kComponents,        ///< u16 x cell_count: component label
+  kIndex,             ///< BlobBox x index_node_count: bounds of an implicit binary tree in heap order
+  kCount,
+};
+inline constexpr std::size_t kBlobSectionCount = static_cast<std::size_t>(BlobSection::kCount);
+
+struct BlobSectionEntry {
+  std::uint32_t offset;  ///< bytes from the first byte of the blob, multiple of 8
+  std::uint32_t bytes;
+};
+
+/// Corners in units relative to the map origin, low then high.
+struct BlobBox {
+  std::array<std::uint16_t, 3> lo;
+  std::array<std::uint16_t, 3> hi;
+};
+
+struct BlobHeader {
+  std::array<char, 8> magic;
+  std::uint32_t byte_order;
+  std::uint32_t version;
+  std::uint32_t crc32;       ///< zlib's CRC-32 over the whole blob with this field zero
+  std::uint32_t blob_bytes;  ///< size of the whole blob
+  double resolution;         ///< [m] edge of a voxel of the source map
+  std::array<double, 3> origin;  ///< [m] frame W: low corner of the known leaves of the source map
+  double radius;                 ///< [m] inflation radius
+  std::uint32_t unknown_policy;  ///< UnknownPolicy
+  std::uint32_t unit_shift;      ///< unit = resolution / 2^unit_shift, 0 to 8
+  std::array<std::uint32_t, 3> size;  ///< [unit] the map spans 0 to size on each axis, at most 65,535
+  std::uint32_t cell_count;
+  std::uint32_t neighbour_count;   ///< directed: twice the number of windows
+  std::uint32_t index_node_count;  ///< 2 ceil(cell_count / kCellsPerIndexLeaf) - 1; 0 without cells
+  std::uint32_t component_count;
+  std::uint32_t reserved;                       ///< zero
+  std::array<std::uint8_t, 32> source_digest;  ///< SHA-256 of the source file
+  std::array<BlobSectionEntry, kBlobSectionCount> sections;
+};
+
+static_assert(sizeof(BlobBox) == 12 && alignof(BlobBox) == 2);
+static_assert(sizeof(BlobHeader) == 184 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
+
+}  // namespace swiftlet

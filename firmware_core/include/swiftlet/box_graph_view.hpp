@@ -1,0 +1,60 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "swiftlet/box_graph_format.hpp"
+#include "swiftlet/status.hpp"
+#include "swiftlet/types.hpp"
+
+namespace swiftlet {
+
+/// Read-only view of a map blob (docs/map_format.md), read in place: flash, mmap or any 8-byte aligned memory that
+/// outlives the view. A view exists only if its blob was valid, so every accessor is plain and cannot leave the blob.
+class BoxGraphView {
+ public:
+  /// A view of nothing; only `open` makes a useful one.
+  BoxGraphView() = default;
+
+  /// Validates size, header, CRC and every index, once, in one pass over the blob.
+  /// Errors: kBlobTruncated, kBlobMagic, kBlobByteOrder, kBlobVersion, kBlobCrc, kBlobStructure.
+  static Result<BoxGraphView> open(std::span<const std::byte> blob);
+
+  [[nodiscard]] const BlobHeader& header() const { return *header_; }
+  [[nodiscard]] std::size_t cell_count() const { return header_->cell_count; }
+  [[nodiscard]] double unit() const { return unit_; }  ///< [m], resolution / 2^unit_shift
+
+  /// The cell itself: cells are disjoint but for their faces.
+  [[nodiscard]] IntBox cell(CellIndex cell) const;
+  /// The free box grown around the cell; contains it. Extents overlap.
+  [[nodiscard]] IntBox extent(CellIndex cell) const;
+  /// Cells that share a window with `cell`, ascending.
+  [[nodiscard]] std::span<const CellIndex> neighbours(CellIndex cell) const;
+  /// Label of the connected component of free space; two cells with different labels are not connected.
+  [[nodiscard]] std::uint16_t component(CellIndex cell) const;
+
+  /// Corners in frame W [m]: origin + unit * i, the one place where integers become metres.
+  [[nodiscard]] Box to_world(const IntBox& box) const;
+
+  /// The cell that holds the point (closed boxes; the lowest index when it lies on a shared face), or nothing.
+  /// Cost O(log n) typical; never more than one visit of every index node.
+  [[nodiscard]] std::optional<CellIndex> locate(const Vector3& p_W) const;
+
+  struct NearestFree {
+    CellIndex cell{};
+    Vector3 point = Vector3::Zero();  ///< [m] frame W, inside `cell`
+    Real distance = 0;                ///< [m]
+  };
+  /// The free point nearest to `p_W` (finite); nothing when the map has no cell.
+  [[nodiscard]] std::optional<NearestFree> nearest_free(const Vector3& p_W) const;
+
+  /// Volume [unit^3] of `box` that is covered by cells: equal to the volume of `box` exactly when it is all free.
+  [[nodiscard]] std::uint64_t covered_volume(const IntBox& box) const;
+
+ private:
+  const BlobHeader* header_ = nullptr;
+  double unit_ = 0;
+};
+
+}  // namespace swiftlet

@@ -1,0 +1,3 @@
+#pragma once
+// placeholder, replaced by the trajectory work
+namespace swiftlet { struct QpSpans {}; }

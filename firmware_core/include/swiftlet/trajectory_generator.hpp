@@ -1,0 +1,76 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "swiftlet/dual_active_set.hpp"
+#include "swiftlet/status.hpp"
+#include "swiftlet/trajectory.hpp"
+#include "swiftlet/types.hpp"
+
+namespace swiftlet {
+
+/// How far inside a bound a constraint point is placed (eq. 10): [m] [m/s] [m/s^2], >= 0.
+struct Margins {
+  Real position = 0;
+  Real velocity = 0;
+  Real acceleration = 0;
+};
+
+/// One trajectory-generation problem: M boxes, M - 1 gates inside both neighbours, M durations; limits per axis,
+/// infinity for none.
+struct TrajectoryProblem {
+  std::span<const Box> boxes;
+  std::span<const Box> gates;
+  std::span<const Real> durations;  ///< [s] > 0
+  State start;
+  State goal;
+  Vector3 v_max;  ///< [m/s]
+  Vector3 a_max;  ///< [m/s^2]
+  Margins margins;
+};
+
+enum class BoundKind : std::uint8_t { kPosition, kVelocity, kAcceleration };
+enum class FallbackReason : std::uint8_t { kNone, kIterations, kDeadline, kNumerics, kStopAtGates };
+
+/// The bound that an infeasible problem founders on.
+struct Blocking {
+  std::uint32_t box = 0;   ///< segment
+  std::uint8_t axis = 0;   ///< 0 x, 1 y, 2 z
+  BoundKind bound = BoundKind::kPosition;
+  Real missing = 0;        ///< [m, m/s, m/s^2] by which the bound is missed at the solver's last point
+  Real stretch = 0;        ///< smallest uniform stretch of the durations found to help; 0 when none was found
+};
+
+struct TrajectoryReport {
+  std::uint32_t qp_iterations = 0;      ///< active-set steps, all axes, all solves
+  std::uint32_t constraints_added = 0;  ///< rows ever generated
+  std::uint32_t active = 0;             ///< rows active at the end, all axes
+  Real time_scale = 1;                  ///< durations of the answer over those of the first allocation
+  FallbackReason fallback_reason = FallbackReason::kNone;
+  Blocking blocking;                    ///< meaningful with kInfeasible
+};
+
+/// Work space of the generator for up to M segments; see storage.hpp.
+struct TrajectorySpans {
+  QpSpans qp;
+  std::span<Vector3> junction_position;      ///< M + 1 [m], relative to the first box
+  std::span<Vector3> junction_velocity;      ///< M + 1 [m/s]
+  std::span<Vector3> junction_acceleration;  ///< M + 1 [m/s^2]
+  std::span<Real> durations;                 ///< M [s]
+};
+
+/// Minimum-jerk trajectory for the durations as given (Sec. IV-B to IV-D): one dual active-set run an axis, rows
+/// generated lazily at violating extrema. With margins that cannot be met the run is repeated without.
+///   segments   receives M segments, in frame W
+/// Errors: kBadRequest (counts, lo > hi, a gate outside a box, durations not > 0, non-finite numbers, limits not > 0),
+/// kInfeasible (at zero margins; report.blocking says where), kIterationLimit, kNumericalTrouble, kCorridorCapacity.
+Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpans& spans,
+                           std::span<Segment> segments, TrajectoryReport& report);
+
+/// The stop-at-every-gate trajectory through `points` (M + 1, one in each gate, start and goal at the ends): straight
+/// rest-to-rest quintics within per-axis limits. Always inside convex boxes that hold both ends of each leg.
+void stop_at_gates(std::span<const Vector3> points, const Vector3& v_max, const Vector3& a_max,
+                   std::span<Segment> segments);
+
+}  // namespace swiftlet
