@@ -18,7 +18,7 @@ class BoxGraphView {
   BoxGraphView() = default;
 
   /// Validates size, header, CRC and every index, once, in one pass over the blob.
-  /// Errors: kBlobTruncated, kBlobMagic, kBlobByteOrder, kBlobVersion, kBlobCrc, kBlobStructure.
+  /// Errors: kBlobTruncated, kBlobWrongMagic, kBlobWrongByteOrder, kBlobWrongVersion, kBlobDamaged, kBlobInconsistent.
   static Result<BoxGraphView> open(std::span<const std::byte> blob);
 
   [[nodiscard]] const BlobHeader& header() const { return *header_; }

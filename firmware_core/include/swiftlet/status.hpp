@@ -18,11 +18,11 @@ enum class [[nodiscard]] Status : std::uint8_t {
   kNumericalTrouble,  ///< The solver ran out of digits.
   kBufferTooSmall,    ///< A caller's buffer cannot hold the result; nothing was written.
   kBlobTruncated,     ///< The blob is shorter than its header, or than the header says.
-  kBlobMagic,         ///< Not a swiftlet map.
-  kBlobByteOrder,     ///< A map written for another byte order.
-  kBlobVersion,       ///< A map of another format version.
-  kBlobCrc,           ///< The checksum does not match: the blob is damaged.
-  kBlobStructure,     ///< The checksum matches but an index, an order or a size is out of range.
+  kBlobWrongMagic,         ///< Not a swiftlet map.
+  kBlobWrongByteOrder,     ///< A map written for another byte order.
+  kBlobWrongVersion,       ///< A map of another format version.
+  kBlobDamaged,           ///< The checksum does not match: the blob is damaged.
+  kBlobInconsistent,     ///< The checksum matches but an index, an order or a size is out of range.
 };
 
 /// A small T, or the Status that says why there is none. Check `ok()` before `*`.
