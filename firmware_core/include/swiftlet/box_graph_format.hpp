@@ -21,7 +21,9 @@ enum class BlobSection : std::uint32_t {
   kNeighbourOffsets,  ///< u32 x (cell_count + 1): CSR row starts into kNeighbours
   kNeighbours,        ///< u32 x neighbour_count: cells that share a window, ascending in each row, symmetric
   kComponents,        ///< u16 x cell_count: component label
-  kIndex,             ///< BlobBox x index_node_count: bounds of an implicit binary tree in heap order
+  kIndex,             ///< BlobBox x index_node_count: bounds, a binary tree in heap order (children 2i + 1 and 2i + 2);
+                      ///< node i >= L - 1 is a leaf and holds the kCellsPerIndexLeaf cells from (i - (L - 1)) * 8 on
+  kObstacles,         ///< bytes: the occupied voxels, packed; for the offline tools alone, may be empty
   kCount,
 };
 inline constexpr std::size_t kBlobSectionCount = static_cast<std::size_t>(BlobSection::kCount);
@@ -44,21 +46,21 @@ struct BlobHeader {
   std::uint32_t crc32;       ///< zlib's CRC-32 over the whole blob with this field zero
   std::uint32_t blob_bytes;  ///< size of the whole blob
   double resolution;         ///< [m] edge of a voxel of the source map
-  std::array<double, 3> origin;  ///< [m] frame W: low corner of the known leaves of the source map
+  std::array<double, 3> origin;  ///< [m] frame W: low corner of the mapped box
   double radius;                 ///< [m] inflation radius
   std::uint32_t unknown_policy;  ///< UnknownPolicy
   std::uint32_t unit_shift;      ///< unit = resolution / 2^unit_shift, 0 to 8
   std::array<std::uint32_t, 3> size;  ///< [unit] the map spans 0 to size on each axis, at most 65,535
   std::uint32_t cell_count;
   std::uint32_t neighbour_count;   ///< directed: twice the number of windows
-  std::uint32_t index_node_count;  ///< 2 ceil(cell_count / kCellsPerIndexLeaf) - 1; 0 without cells
+  std::uint32_t index_node_count;  ///< 2 L - 1 with L = ceil(cell_count / kCellsPerIndexLeaf); 0 without cells
   std::uint32_t component_count;
-  std::uint32_t reserved;                       ///< zero
+  std::uint32_t reserved;                      ///< zero
   std::array<std::uint8_t, 32> source_digest;  ///< SHA-256 of the source file
   std::array<BlobSectionEntry, kBlobSectionCount> sections;
 };
 
 static_assert(sizeof(BlobBox) == 12 && alignof(BlobBox) == 2);
-static_assert(sizeof(BlobHeader) == 184 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
+static_assert(sizeof(BlobHeader) == 192 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
 
 }  // namespace swiftlet

@@ -10,6 +10,9 @@
 
 namespace swiftlet {
 
+/// zlib's CRC-32 over a blob of at least a header's size, with its own field taken as zero.
+std::uint32_t blob_crc32(std::span<const std::byte> blob);
+
 /// Read-only view of a map blob (docs/map_format.md), read in place: flash, mmap or any 8-byte aligned memory that
 /// outlives the view. A view exists only if its blob was valid, so every accessor is plain and cannot leave the blob.
 class BoxGraphView {
@@ -17,8 +20,11 @@ class BoxGraphView {
   /// A view of nothing; only `open` makes a useful one.
   BoxGraphView() = default;
 
-  /// Validates size, header, CRC and every index, once, in one pass over the blob.
-  /// Errors: kBlobTruncated, kBlobWrongMagic, kBlobWrongByteOrder, kBlobWrongVersion, kBlobDamaged, kBlobInconsistent.
+  /// Validates size, header, CRC and every index, once: after it no call can leave the blob or loop without end. That cells
+  /// are disjoint and free is the builder's promise (`swiftlet map verify`), not checked here. `blob` starts at the header
+  /// and may be longer than the blob, as a flash sector is. Cost: one pass, O(log degree) a neighbour.
+  /// Errors: kBadRequest (not 8-byte aligned), kBlobTruncated, kBlobWrongMagic, kBlobWrongByteOrder, kBlobWrongVersion,
+  /// kBlobDamaged, kBlobInconsistent.
   static Result<BoxGraphView> open(std::span<const std::byte> blob);
 
   [[nodiscard]] const BlobHeader& header() const { return *header_; }
@@ -34,11 +40,16 @@ class BoxGraphView {
   /// Label of the connected component of free space; two cells with different labels are not connected.
   [[nodiscard]] std::uint16_t component(CellIndex cell) const;
 
+  /// The occupied voxels, packed for the offline tools (docs/map_format.md); opaque here.
+  [[nodiscard]] std::span<const std::byte> obstacles() const;
+  /// The whole blob, header first.
+  [[nodiscard]] std::span<const std::byte> bytes() const;
+
   /// Corners in frame W [m]: origin + unit * i, the one place where integers become metres.
   [[nodiscard]] Box to_world(const IntBox& box) const;
 
-  /// The cell that holds the point (closed boxes; the lowest index when it lies on a shared face), or nothing.
-  /// Cost O(log n) typical; never more than one visit of every index node.
+  /// The cell that holds the point (closed boxes as `to_world` gives them; the lowest index when it lies on a shared face),
+  /// or nothing (also for a point that is not finite). Cost O(log n) typical; at most one visit of every index node.
   [[nodiscard]] std::optional<CellIndex> locate(const Vector3& p_W) const;
 
   struct NearestFree {
@@ -46,13 +57,21 @@ class BoxGraphView {
     Vector3 point = Vector3::Zero();  ///< [m] frame W, inside `cell`
     Real distance = 0;                ///< [m]
   };
-  /// The free point nearest to `p_W` (finite); nothing when the map has no cell.
+  /// The free point nearest to `p_W`, in the cell of the lowest index on ties; nothing when the map has no cell or `p_W` is
+  /// not finite. Branch and bound: at most one visit of every index node.
   [[nodiscard]] std::optional<NearestFree> nearest_free(const Vector3& p_W) const;
 
   /// Volume [unit^3] of `box` that is covered by cells: equal to the volume of `box` exactly when it is all free.
   [[nodiscard]] std::uint64_t covered_volume(const IntBox& box) const;
 
  private:
+  [[nodiscard]] Real coordinate(std::size_t axis, std::uint16_t i) const {
+    return static_cast<Real>(header_->origin[axis] + unit_ * i);
+  }
+  template <typename T>
+  [[nodiscard]] std::span<const T> section(BlobSection section) const;
+  [[nodiscard]] Status validate() const;
+
   const BlobHeader* header_ = nullptr;
   double unit_ = 0;
 };

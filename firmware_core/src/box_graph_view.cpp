@@ -1,0 +1,371 @@
+#include "swiftlet/box_graph_view.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace swiftlet {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the blob is read in place, so the machine must be little-endian");
+
+// ---------------------------------------------------------------------------------------------------------- checksum
+
+constexpr std::array<std::uint32_t, 256> make_crc_table() {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t byte = 0; byte < 256; ++byte) {
+    std::uint32_t value = byte;
+    for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ ((value & 1U) != 0 ? 0xEDB88320U : 0U);
+    table[byte] = value;
+  }
+  return table;
+}
+constexpr std::array<std::uint32_t, 256> kCrcTable = make_crc_table();
+
+std::uint32_t crc_step(std::uint32_t crc, std::byte byte) {
+  return (crc >> 8) ^ kCrcTable[(crc ^ std::to_integer<std::uint32_t>(byte)) & 0xFFU];
+}
+
+// ------------------------------------------------------------------------------------------------------------- boxes
+
+IntBox to_int_box(const BlobBox& box) { return {box.lo, box.hi}; }
+
+bool is_proper(const IntBox& box, const std::array<std::uint32_t, 3>& size) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (box.lo[axis] >= box.hi[axis] || box.hi[axis] > size[axis]) return false;
+  }
+  return true;
+}
+
+/// A window has no thickness on one axis and positive extent on the other two (eq. 1).
+bool shares_window(const IntBox& a, const IntBox& b) {
+  const IntBox common = intersection(a, b);
+  int thin_axes = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) thin_axes += common.lo[axis] == common.hi[axis] ? 1 : 0;
+  return thin_axes == 1 && is_passage(common);
+}
+
+std::uint64_t volume(const IntBox& box) {
+  std::uint64_t product = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (box.lo[axis] >= box.hi[axis]) return 0;
+    product *= static_cast<std::uint64_t>(box.hi[axis] - box.lo[axis]);
+  }
+  return product;
+}
+
+// ------------------------------------------------------------------------------------------------------------- index
+
+/// The shape of the implicit tree: nodes 0 to 2L - 2 in heap order, the last L are leaves of kCellsPerIndexLeaf cells.
+struct IndexShape {
+  explicit IndexShape(std::size_t cells)
+      : cell_count(cells), leaf_count((cells + kCellsPerIndexLeaf - 1) / kCellsPerIndexLeaf) {}
+  [[nodiscard]] std::size_t node_count() const { return leaf_count == 0 ? 0 : 2 * leaf_count - 1; }
+  [[nodiscard]] bool is_leaf(std::size_t node) const { return node + 1 >= leaf_count; }
+  [[nodiscard]] std::size_t first_cell(std::size_t leaf) const { return (leaf + 1 - leaf_count) * kCellsPerIndexLeaf; }
+  [[nodiscard]] std::size_t end_cell(std::size_t leaf) const {
+    return std::min(first_cell(leaf) + kCellsPerIndexLeaf, cell_count);
+  }
+  std::size_t cell_count;
+  std::size_t leaf_count;
+};
+
+/// Depth-first stack: a blob of at most 2^32 bytes has a tree of at most 27 levels, and each level leaves one sibling.
+constexpr std::size_t kStackDepth = 32;
+
+/// Calls `visit(cell)` for every cell below an index node that `overlaps` accepts; both take an IntBox.
+template <typename Overlaps, typename Visit>
+void for_each_overlapping(std::span<const BlobBox> index, std::size_t cell_count, const Overlaps& overlaps,
+                          const Visit& visit) {
+  if (index.empty()) return;
+  const IndexShape shape(cell_count);
+  std::array<std::size_t, kStackDepth> stack{};
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::size_t node = stack[--depth];
+    if (!overlaps(to_int_box(index[node]))) continue;
+    if (shape.is_leaf(node)) {
+      for (std::size_t cell = shape.first_cell(node); cell < shape.end_cell(node); ++cell) visit(cell);
+    } else {
+      stack[depth++] = 2 * node + 2;
+      stack[depth++] = 2 * node + 1;
+    }
+  }
+}
+
+// ---------------------------------------------------------------------------------------------------- header checks
+
+bool is_finite(const BlobHeader& header) {
+  bool finite = std::isfinite(header.resolution) && std::isfinite(header.radius);
+  for (const double coordinate : header.origin) finite = finite && std::isfinite(coordinate);
+  return finite;
+}
+
+/// Sections follow each other without gaps but for the padding to 8 bytes, and hold exactly what the counts say.
+bool sections_consistent(const BlobHeader& header) {
+  const std::uint64_t cells = header.cell_count;
+  const std::array<std::uint64_t, kBlobSectionCount> bytes{
+      cells * sizeof(BlobBox),
+      cells * sizeof(BlobBox),
+      (cells + 1) * sizeof(std::uint32_t),
+      std::uint64_t{header.neighbour_count} * sizeof(std::uint32_t),
+      cells * sizeof(std::uint16_t),
+      std::uint64_t{header.index_node_count} * sizeof(BlobBox),
+      header.sections[static_cast<std::size_t>(BlobSection::kObstacles)].bytes,
+  };
+  std::uint64_t offset = sizeof(BlobHeader);
+  for (std::size_t i = 0; i < kBlobSectionCount; ++i) {
+    if (header.sections[i].offset != offset || header.sections[i].bytes != bytes[i]) return false;
+    offset = (offset + bytes[i] + 7) / 8 * 8;
+  }
+  return offset == header.blob_bytes;
+}
+
+bool header_consistent(const BlobHeader& header) {
+  constexpr std::uint32_t kMaxUnitShift = 8;
+  constexpr std::uint32_t kMaxSize = 65'535;
+  constexpr std::uint32_t kMaxComponents = 65'536;
+  if (!is_finite(header) || !(header.resolution > 0) || header.radius < 0) return false;
+  if (header.unknown_policy > static_cast<std::uint32_t>(UnknownPolicy::kFree)) return false;
+  if (header.unit_shift > kMaxUnitShift || header.reserved != 0) return false;
+  for (const std::uint32_t size : header.size) {
+    if (size == 0 || size > kMaxSize) return false;
+  }
+  if (header.component_count > kMaxComponents) return false;
+  return header.index_node_count == IndexShape(header.cell_count).node_count() && sections_consistent(header);
+}
+
+// --------------------------------------------------------------------------------------------------- section checks
+
+bool rows_consistent(std::span<const std::uint32_t> offsets, std::size_t neighbour_count) {
+  if (offsets.front() != 0 || offsets.back() != neighbour_count) return false;
+  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+    if (offsets[i] > offsets[i + 1]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::uint32_t blob_crc32(std::span<const std::byte> blob) {
+  constexpr std::size_t kField = offsetof(BlobHeader, crc32);
+  constexpr std::size_t kAfterField = kField + sizeof(BlobHeader::crc32);
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const std::byte byte : blob.first(kField)) crc = crc_step(crc, byte);
+  for (std::size_t i = kField; i < kAfterField; ++i) crc = crc_step(crc, std::byte{0});
+  for (const std::byte byte : blob.subspan(kAfterField)) crc = crc_step(crc, byte);
+  return ~crc;
+}
+
+Result<BoxGraphView> BoxGraphView::open(std::span<const std::byte> blob) {
+  if (reinterpret_cast<std::uintptr_t>(blob.data()) % alignof(BlobHeader) != 0) return Status::kBadRequest;
+  if (blob.size() < sizeof(BlobHeader)) return Status::kBlobTruncated;
+  const auto* header = reinterpret_cast<const BlobHeader*>(blob.data());
+  if (header->magic != kBlobMagic) return Status::kBlobWrongMagic;
+  if (header->byte_order != kBlobByteOrderMark) return Status::kBlobWrongByteOrder;
+  if (header->version != kBlobVersion) return Status::kBlobWrongVersion;
+  if (header->blob_bytes > blob.size()) return Status::kBlobTruncated;
+  if (header->blob_bytes < sizeof(BlobHeader)) return Status::kBlobInconsistent;
+  if (blob_crc32(blob.first(header->blob_bytes)) != header->crc32) return Status::kBlobDamaged;
+  if (!header_consistent(*header)) return Status::kBlobInconsistent;
+
+  BoxGraphView view;
+  view.header_ = header;
+  view.unit_ = header->resolution / static_cast<double>(1U << header->unit_shift);
+  const Status status = view.validate();
+  if (status != Status::kOk) return status;
+  return view;
+}
+
+Status BoxGraphView::validate() const {
+  const std::size_t count = cell_count();
+  const auto labels = section<std::uint16_t>(BlobSection::kComponents);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto index = static_cast<CellIndex>(i);
+    if (!is_proper(cell(index), header_->size) || !is_proper(extent(index), header_->size)) return Status::kBlobInconsistent;
+    if (!contains(extent(index), cell(index))) return Status::kBlobInconsistent;
+    if (labels[i] >= header_->component_count) return Status::kBlobInconsistent;
+  }
+
+  // Rows first as a whole: the symmetry check below looks into other rows.
+  const auto offsets = section<std::uint32_t>(BlobSection::kNeighbourOffsets);
+  if (!rows_consistent(offsets, header_->neighbour_count)) return Status::kBlobInconsistent;
+  for (const std::uint32_t neighbour : section<std::uint32_t>(BlobSection::kNeighbours)) {
+    if (neighbour >= count) return Status::kBlobInconsistent;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto from = static_cast<CellIndex>(i);
+    const auto row = neighbours(from);
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const CellIndex to = row[k];
+      if (k > 0 && row[k - 1] >= to) return Status::kBlobInconsistent;
+      if (labels[to_size(to)] != labels[i] || !shares_window(cell(from), cell(to))) return Status::kBlobInconsistent;
+      const auto back = neighbours(to);
+      if (!std::binary_search(back.begin(), back.end(), from)) return Status::kBlobInconsistent;
+    }
+  }
+
+  const auto index = section<BlobBox>(BlobSection::kIndex);
+  const IndexShape shape(count);
+  for (std::size_t node = 0; node < index.size(); ++node) {
+    const IntBox bounds = to_int_box(index[node]);
+    if (!is_proper(bounds, header_->size)) return Status::kBlobInconsistent;
+    if (node > 0 && !contains(to_int_box(index[(node - 1) / 2]), bounds)) return Status::kBlobInconsistent;
+    if (!shape.is_leaf(node)) continue;
+    for (std::size_t i = shape.first_cell(node); i < shape.end_cell(node); ++i) {
+      if (!contains(bounds, cell(static_cast<CellIndex>(i)))) return Status::kBlobInconsistent;
+    }
+  }
+  return Status::kOk;
+}
+
+template <typename T>
+std::span<const T> BoxGraphView::section(BlobSection section) const {
+  const BlobSectionEntry& entry = header_->sections[static_cast<std::size_t>(section)];
+  const auto* first = reinterpret_cast<const std::byte*>(header_) + entry.offset;
+  return {reinterpret_cast<const T*>(first), entry.bytes / sizeof(T)};
+}
+
+IntBox BoxGraphView::cell(CellIndex cell) const {
+  return to_int_box(section<BlobBox>(BlobSection::kCells)[to_size(cell)]);
+}
+
+IntBox BoxGraphView::extent(CellIndex cell) const {
+  return to_int_box(section<BlobBox>(BlobSection::kExtents)[to_size(cell)]);
+}
+
+std::span<const CellIndex> BoxGraphView::neighbours(CellIndex cell) const {
+  const auto offsets = section<std::uint32_t>(BlobSection::kNeighbourOffsets);
+  const std::size_t first = offsets[to_size(cell)];
+  return section<CellIndex>(BlobSection::kNeighbours).subspan(first, offsets[to_size(cell) + 1] - first);
+}
+
+std::uint16_t BoxGraphView::component(CellIndex cell) const {
+  return section<std::uint16_t>(BlobSection::kComponents)[to_size(cell)];
+}
+
+std::span<const std::byte> BoxGraphView::obstacles() const { return section<std::byte>(BlobSection::kObstacles); }
+
+std::span<const std::byte> BoxGraphView::bytes() const {
+  return {reinterpret_cast<const std::byte*>(header_), header_->blob_bytes};
+}
+
+Box BoxGraphView::to_world(const IntBox& box) const {
+  Box world;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto row = static_cast<Eigen::Index>(axis);
+    world.lo[row] = coordinate(axis, box.lo[axis]);
+    world.hi[row] = coordinate(axis, box.hi[axis]);
+  }
+  return world;
+}
+
+std::optional<CellIndex> BoxGraphView::locate(const Vector3& p_W) const {
+  // Per axis the last unit coordinate <= p and the first >= p: from there on the search is exact in integers and agrees
+  // with `to_world` to the last bit, whatever its rounding, because coordinate() never decreases.
+  IntBox around{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Real p = p_W[static_cast<Eigen::Index>(axis)];
+    const auto size = static_cast<std::uint16_t>(header_->size[axis]);
+    if (!(p >= coordinate(axis, 0) && p <= coordinate(axis, size))) return std::nullopt;
+    std::uint32_t first_not_below = 0;  // in [0, size], since coordinate(size) >= p
+    for (std::uint32_t end = size; first_not_below < end;) {
+      const std::uint32_t middle = (first_not_below + end) / 2;
+      if (coordinate(axis, static_cast<std::uint16_t>(middle)) >= p) {
+        end = middle;
+      } else {
+        first_not_below = middle + 1;
+      }
+    }
+    std::uint32_t last_not_above = 0;  // in [0, size], since coordinate(0) <= p
+    for (std::uint32_t end = size; last_not_above < end;) {
+      const std::uint32_t middle = (last_not_above + end + 1) / 2;
+      if (coordinate(axis, static_cast<std::uint16_t>(middle)) <= p) {
+        last_not_above = middle;
+      } else {
+        end = middle - 1;
+      }
+    }
+    around.lo[axis] = static_cast<std::uint16_t>(last_not_above);
+    around.hi[axis] = static_cast<std::uint16_t>(first_not_below);
+  }
+
+  const auto holds_point = [&around](const IntBox& box) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (box.lo[axis] > around.lo[axis] || box.hi[axis] < around.hi[axis]) return false;
+    }
+    return true;
+  };
+  std::optional<CellIndex> found;
+  for_each_overlapping(section<BlobBox>(BlobSection::kIndex), cell_count(), holds_point, [&](std::size_t i) {
+    const auto candidate = static_cast<CellIndex>(i);
+    if ((!found || candidate < *found) && holds_point(cell(candidate))) found = candidate;
+  });
+  return found;
+}
+
+std::optional<BoxGraphView::NearestFree> BoxGraphView::nearest_free(const Vector3& p_W) const {
+  const auto index = section<BlobBox>(BlobSection::kIndex);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(p_W[axis])) return std::nullopt;
+  }
+  if (index.empty()) return std::nullopt;
+
+  const auto nearest_in = [&](const IntBox& box) {
+    const Box world = to_world(box);
+    return Vector3(p_W.cwiseMax(world.lo).cwiseMin(world.hi));
+  };
+  const auto squared_distance = [&](const Vector3& q_W) {
+    const Vector3 d = q_W - p_W;
+    return d.x() * d.x() + d.y() * d.y() + d.z() * d.z();
+  };
+  struct Entry {
+    std::size_t node;
+    Real bound;  ///< squared distance to the node's box [m^2]
+  };
+  const auto entry_of = [&](std::size_t node) {
+    return Entry{node, squared_distance(nearest_in(to_int_box(index[node])))};
+  };
+
+  const IndexShape shape(cell_count());
+  std::array<Entry, kStackDepth> stack{};
+  std::size_t depth = 0;
+  stack[depth++] = entry_of(0);
+  std::optional<NearestFree> best;
+  Real best_squared = 0;
+  while (depth > 0) {
+    const Entry entry = stack[--depth];
+    if (best && entry.bound > best_squared) continue;
+    if (!shape.is_leaf(entry.node)) {
+      const Entry left = entry_of(2 * entry.node + 1);
+      const Entry right = entry_of(2 * entry.node + 2);
+      const bool left_first = left.bound <= right.bound;
+      stack[depth++] = left_first ? right : left;
+      stack[depth++] = left_first ? left : right;
+      continue;
+    }
+    for (std::size_t i = shape.first_cell(entry.node); i < shape.end_cell(entry.node); ++i) {
+      const auto candidate = static_cast<CellIndex>(i);
+      const Vector3 point = nearest_in(cell(candidate));
+      const Real squared = squared_distance(point);
+      const bool tie = best && squared == best_squared && candidate < best->cell;
+      if (best && !(squared < best_squared) && !tie) continue;
+      best = NearestFree{candidate, point, 0};
+      best_squared = squared;
+    }
+  }
+  best->distance = std::sqrt(best_squared);
+  return best;
+}
+
+std::uint64_t BoxGraphView::covered_volume(const IntBox& box) const {
+  std::uint64_t covered = 0;
+  for_each_overlapping(
+      section<BlobBox>(BlobSection::kIndex), cell_count(),
+      [&box](const IntBox& bounds) { return volume(intersection(bounds, box)) > 0; },
+      [&](std::size_t i) { covered += volume(intersection(cell(static_cast<CellIndex>(i)), box)); });
+  return covered;
+}
+
+}  // namespace swiftlet
