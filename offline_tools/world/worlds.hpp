@@ -1,0 +1,45 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "world/voxel_grid.hpp"
+
+namespace swiftlet::tools {
+
+/// A generated world with the vehicle it is meant for and the query that everybody quotes.
+struct World {
+  VoxelGrid grid;
+  double radius;     ///< [m] of the vehicle
+  Voxel main_start;  ///< both ends lie in the largest component of `roomy_voxels`
+  Voxel main_goal;
+};
+
+/// Connected voxel centres with reference lengths [m].
+struct WorldQuery {
+  Voxel start;
+  Voxel goal;
+  double euclid;
+  double astar;  ///< VoxelPathFinder
+};
+
+/// Rooms joined by doors in three dimensions, after the paper's maze (Sec. VI): 32 x 32 x 32 voxels of 0.32 m, 6,774
+/// occupied, the main query from corner to opposite corner, about 34 m of voxel path, up and down on the way.
+World make_maze(std::uint64_t seed);
+
+/// A screen, pillars, a table and a shelf in the paper's flight space (Sec. VI-D): 13 x 10 x 5 voxels of 0.32 m, 54
+/// occupied.
+World make_classroom(std::uint64_t seed);
+
+/// The largest set of voxels whose centres have room: free and connected for the vehicle even after a conservative
+/// rounding of free space to a quarter of a voxel.
+std::vector<std::uint8_t> roomy_voxels(const VoxelGrid& grid, double radius);
+
+/// `count` queries between roomy voxels at least a quarter of the world's diagonal apart, the main one first.
+std::vector<WorldQuery> make_queries(const World& world, std::uint64_t seed, std::size_t count);
+
+/// CSV with the header x0,y0,z0,x1,y1,z1,euclid_m,astar_m; metres with three decimals.
+std::string queries_csv(const World& world, const std::vector<WorldQuery>& queries);
+
+}  // namespace swiftlet::tools

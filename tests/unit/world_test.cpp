@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "world/random.hpp"
+#include "world/voxel_path.hpp"
+#include "world/worlds.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+constexpr std::size_t kQueries = 100;
+
+/// Distance from a voxel's centre to the nearest occupied cube by looking at every cube [m].
+double clearance(const VoxelGrid& grid, const Voxel& voxel) {
+  double nearest = 1e9;
+  const std::array<double, 3> p = grid.centre(voxel);
+  for (std::size_t i = 0; i < grid.voxel_count(); ++i) {
+    if (!grid.occupied(grid.voxel(i))) continue;
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double lo = grid.voxel(i)[axis] * grid.resolution();
+      const double gap = std::max({lo - p[axis], p[axis] - lo - grid.resolution(), 0.0});
+      squared += gap * gap;
+    }
+    nearest = std::min(nearest, std::sqrt(squared));
+  }
+  return nearest;
+}
+
+TEST(World, TheMazeHasThePapersSizeAndAVerticalMainQueryOfItsLength) {
+  for (const std::uint64_t seed : {0U, 1U, 2U, 3U, 77U}) {
+    const World maze = make_maze(seed);
+    EXPECT_EQ(maze.grid.size(), (Voxel{32, 32, 32})) << seed;
+    EXPECT_EQ(maze.grid.occupied_count(), 6774U) << seed;
+    const std::vector<WorldQuery> queries = make_queries(maze, seed, 1);
+    EXPECT_NEAR(queries.front().astar, 34.4, 2) << seed;
+    EXPECT_GT(queries.front().goal[2] - queries.front().start[2], 28) << seed;
+  }
+}
+
+TEST(World, TheClassroomHasThePapersSizeAndAConnectedMainQuery) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const World room = make_classroom(seed);
+    EXPECT_EQ(room.grid.size(), (Voxel{13, 10, 5})) << seed;
+    EXPECT_EQ(room.grid.occupied_count(), 54U) << seed;
+    const std::vector<WorldQuery> queries = make_queries(room, seed, 1);
+    EXPECT_GT(queries.front().astar, queries.front().euclid) << seed;
+  }
+}
+
+TEST(World, TheSameSeedGivesTheSameBytesAndAnotherSeedOthers) {
+  const World maze = make_maze(5);
+  EXPECT_EQ(to_bt(maze.grid), to_bt(make_maze(5).grid));
+  EXPECT_NE(to_bt(maze.grid), to_bt(make_maze(6).grid));
+  EXPECT_EQ(queries_csv(maze, make_queries(maze, 5, 10)), queries_csv(maze, make_queries(maze, 5, 10)));
+}
+
+TEST(World, EveryVoxelOfTheOctoMapIsFreeOrOccupiedWithTheLowCornerAtTheOrigin) {
+  const World room = make_classroom(1);
+  std::istringstream bytes(to_bt(room.grid));
+  octomap::OcTree tree(1.0);
+  ASSERT_TRUE(tree.readBinary(bytes));
+  EXPECT_DOUBLE_EQ(tree.getResolution(), room.grid.resolution());
+  std::array<double, 3> low{};
+  std::array<double, 3> high{};
+  tree.getMetricMin(low[0], low[1], low[2]);
+  tree.getMetricMax(high[0], high[1], high[2]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(low[axis], 0, 1e-9);
+    EXPECT_NEAR(high[axis], room.grid.size()[axis] * room.grid.resolution(), 1e-9);
+  }
+  for (std::size_t i = 0; i < room.grid.voxel_count(); ++i) {
+    const std::array<double, 3> p = room.grid.centre(room.grid.voxel(i));
+    const octomap::OcTreeNode* node = tree.search(p[0], p[1], p[2]);
+    ASSERT_NE(node, nullptr) << i;
+    EXPECT_EQ(tree.isNodeOccupied(node), room.grid.occupied(room.grid.voxel(i))) << i;
+  }
+}
+
+TEST(World, QueriesHaveRoomAtBothEndsAndPathsNoShorterThanTheStraightLine) {
+  for (const World& world : {make_maze(1), make_classroom(1)}) {
+    const std::vector<WorldQuery> queries = make_queries(world, 1, kQueries);
+    ASSERT_EQ(queries.size(), kQueries);
+    EXPECT_EQ(queries.front().start, world.main_start);
+    EXPECT_EQ(queries.front().goal, world.main_goal);
+    for (const WorldQuery& query : queries) {
+      EXPECT_GE(query.astar, query.euclid - 1e-9);
+      EXPECT_GE(clearance(world.grid, query.start), world.radius + 0.1);
+      EXPECT_GE(clearance(world.grid, query.goal), world.radius + 0.1);
+    }
+  }
+}
+
+TEST(World, QueriesCsvHasOneLineAQueryBelowTheHeader) {
+  const World room = make_classroom(1);
+  const std::string csv = queries_csv(room, make_queries(room, 1, kQueries));
+  EXPECT_EQ(csv.substr(0, csv.find('\n')), "x0,y0,z0,x1,y1,z1,euclid_m,astar_m");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 101);
+  EXPECT_NE(csv.find("\n0.480,0.480,0.800,3.680,2.720,0.800,"), std::string::npos);
+}
+
+TEST(VoxelPath, GoesRoundAWallWithoutCuttingItsCorner) {
+  VoxelGrid grid({5, 5, 1}, 1.0);
+  grid.fill({{2, 0, 0}, {2, 3, 0}}, true);  // only the column y = 4 is open
+  VoxelPathFinder finder(grid, 0.4);
+  // (1, 3) to (3, 3): up, two across, down; a diagonal past (2, 3) would cut its corner.
+  EXPECT_DOUBLE_EQ(*finder.shortest({1, 3, 0}, {3, 3, 0}), 4.0);
+  EXPECT_FALSE(finder.shortest({1, 3, 0}, {2, 3, 0}).has_value());
+}
+
+TEST(VoxelPath, FindsNoWayThroughAGapThatIsTighterThanTheRadius) {
+  VoxelGrid grid({5, 3, 1}, 1.0);
+  grid.fill({{2, 0, 0}, {2, 0, 0}}, true);
+  grid.fill({{2, 2, 0}, {2, 2, 0}}, true);
+  EXPECT_DOUBLE_EQ(*VoxelPathFinder(grid, 0.5).shortest({0, 1, 0}, {4, 1, 0}), 4.0);
+  EXPECT_FALSE(VoxelPathFinder(grid, 0.51).shortest({0, 1, 0}, {4, 1, 0}).has_value());
+}
+
+TEST(VoxelPath, ClearanceCountsTheCubeNotItsCentre) {
+  VoxelGrid grid({4, 4, 4}, 0.32);
+  grid.fill({{0, 0, 0}, {0, 0, 0}}, true);
+  const auto clear = [&](const Voxel& voxel, double distance) {
+    return voxels_with_clearance(grid, distance)[grid.index(voxel)] != 0;
+  };
+  EXPECT_TRUE(clear({1, 0, 0}, 0.16));
+  EXPECT_FALSE(clear({1, 0, 0}, 0.161));
+  EXPECT_TRUE(clear({1, 1, 0}, 0.226));
+  EXPECT_FALSE(clear({1, 1, 0}, 0.227));
+  EXPECT_FALSE(clear({0, 0, 0}, 0.01));
+}
+
+TEST(SplitMix64, GivesThePublishedFirstNumbersOfSeedZero) {
+  SplitMix64 random(0);
+  EXPECT_EQ(random.next(), 0xe220a8397b1dcdafU);
+  EXPECT_EQ(random.next(), 0x6e789e6aa1b965f4U);
+}
+
+}  // namespace
+}  // namespace swiftlet::tools
