@@ -13,27 +13,27 @@ struct CertificateRequest {
   std::span<const Box> gates;  ///< one a junction [m]
   State start;
   State goal;
-  Vector3 v_max;   ///< [m/s] per axis
-  Vector3 a_max;   ///< [m/s^2] per axis
-  Real speed_max;  ///< [m/s] Euclidean
+  Vector3 v_max;               ///< [m/s] per axis
+  Vector3 a_max;               ///< [m/s^2] per axis
+  Real speed_max;              ///< [m/s] Euclidean
   Real acceleration_norm_max;  ///< [m/s^2] Euclidean
 };
 
 /// Proven bounds of a finished trajectory (design: section 5, "Certificate"). Every number is rounded outward.
 struct Certificate {
-  Real tolerance = 0;                           ///< [m, m/s, m/s^2] by which a bound may be exceeded
-  Real box_margin = 0;                          ///< [m] least distance inside the faces; a lower bound, negative outside
-  Vector3 max_speed = Vector3::Zero();          ///< [m/s] upper bounds per axis
-  Real max_speed_norm = 0;                      ///< [m/s]
-  Vector3 max_acceleration = Vector3::Zero();   ///< [m/s^2]
-  Real max_acceleration_norm = 0;               ///< [m/s^2]
-  std::array<Real, 3> max_jump{};               ///< [m, m/s, m/s^2] largest jump of p, v, a at a junction
-  std::array<Real, 3> max_end_error{};          ///< [m, m/s, m/s^2] end states against the request
+  Real tolerance = 0;                          ///< [m, m/s, m/s^2] by which a bound may be exceeded
+  Real box_margin = 0;                         ///< [m] least distance inside the faces; a lower bound, negative outside
+  Vector3 max_speed = Vector3::Zero();         ///< [m/s] upper bounds per axis
+  Real max_speed_norm = 0;                     ///< [m/s]
+  Vector3 max_acceleration = Vector3::Zero();  ///< [m/s^2]
+  Real max_acceleration_norm = 0;              ///< [m/s^2]
+  std::array<Real, 3> max_jump{};              ///< [m, m/s, m/s^2] largest jump of p, v, a at a junction
+  std::array<Real, 3> max_end_error{};         ///< [m, m/s, m/s^2] end states against the request
   bool pass = false;
 };
 
-/// Bounds of `segments` by Bernstein hulls with subdivision and counted rounding errors; shares no code with the solver.
-/// Non-finite coefficients never pass. Cost O(M).
+/// Bounds of `segments` by Bernstein hulls with subdivision and counted rounding errors; shares no code with the
+/// solver. Non-finite coefficients never pass. Cost O(M).
 Certificate certify(std::span<const Segment> segments, const CertificateRequest& request);
 
 }  // namespace swiftlet

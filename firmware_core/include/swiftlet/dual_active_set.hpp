@@ -1,3 +1,87 @@
 #pragma once
-// placeholder, replaced by the trajectory work
-namespace swiftlet { struct QpSpans {}; }
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "swiftlet/status.hpp"
+#include "swiftlet/types.hpp"
+
+namespace swiftlet {
+
+/// Strictly convex QP over a chain of K blocks of three unknowns,
+///   minimise 1/2 (x - x0)' P (x - x0)   subject to   n_j' x <= b_j,
+/// where P is block tridiagonal and each row touches one block or two neighbouring ones. Rows arrive one by one, as the
+/// caller finds them violated; nothing here knows of flight.
+inline constexpr std::size_t kBlockSize = 3;
+
+/// Row block k of the factor R, P = R' R: upper triangle of the diagonal block (row-major: 00 01 02 11 12 22) and the
+/// block that couples to x_{k+1} (row-major).
+struct FactorBlock {
+  std::array<Real, 6> diagonal;
+  std::array<Real, 9> coupling;
+};
+
+/// n' x <= bound; coefficients of blocks `block` and `block + 1` (zero where that block does not exist).
+struct QpRow {
+  std::array<Real, 2 * kBlockSize> coefficients{};
+  Real bound = 0;
+  std::uint32_t block = 0;
+};
+
+/// Memory of one solve of up to K blocks and Q rows active at once.
+struct QpSpans {
+  std::span<FactorBlock> factor;  ///< K
+  std::span<Real> optimum;        ///< 3 K: x0, the unconstrained optimum
+  std::span<Real> solution;       ///< 3 K
+  std::span<Real> work;           ///< 3 K
+  std::span<QpRow> rows;          ///< Q
+  std::span<Real> multipliers;    ///< Q
+  std::span<Real> target;         ///< Q
+  std::span<Real> gram_factor;    ///< Q (Q + 1) / 2
+};
+
+/// Dual active-set method (Goldfarb and Idnani) on the structure above. It starts at x0 with no active row and keeps
+/// every multiplier non-negative; each enforced row strictly increases the dual objective. The Cholesky factor of
+/// N' P^-1 N is updated, never rebuilt. Cost of one row: two banded substitutions, O(K), and O(q^2) for q active rows.
+class DualActiveSet {
+ public:
+  /// `spans.factor` and `spans.optimum` hold P and x0 for `block_count` blocks. At most `iteration_limit` rows are
+  /// added or dropped in the life of this object.
+  DualActiveSet(const QpSpans& spans, std::size_t block_count, std::uint32_t iteration_limit);
+
+  /// Moves to the optimum of the active rows and `row`, dropping rows that no longer press. On an error the solution is
+  /// the one from before. Errors:
+  ///   kInfeasible        no step reduces the violation: `row` contradicts the active rows (a Farkas certificate)
+  ///   kIterationLimit    the limit, or the capacity for active rows, is used up
+  ///   kNumericalTrouble  a non-finite number came up
+  Status enforce(const QpRow& row);
+
+  [[nodiscard]] std::span<const Real> solution() const { return spans_.solution.first(kBlockSize * block_count_); }
+  [[nodiscard]] std::size_t active_count() const { return active_count_; }
+  [[nodiscard]] std::span<const QpRow> active_rows() const { return spans_.rows.first(active_count_); }
+  [[nodiscard]] std::span<const Real> multipliers() const { return spans_.multipliers.first(active_count_); }
+  [[nodiscard]] std::uint32_t iterations() const { return iterations_; }
+
+ private:
+  Status append(const QpRow& row);
+  Status settle();
+  Result<bool> row_is_independent(const QpRow& row);
+  [[nodiscard]] std::size_t blocking_row(std::span<const Real> direction, Real& step) const;
+  void drop(std::size_t row);
+  void update_solution();
+  void solve_gram_lower(std::span<Real> rhs) const;
+  void solve_gram_upper(std::span<Real> rhs) const;
+  void solve_hessian(std::span<Real> rhs, std::size_t first_block) const;
+
+  QpSpans spans_;
+  std::size_t block_count_;
+  std::size_t active_count_ = 0;
+  std::uint32_t iterations_ = 0;
+  std::uint32_t iteration_limit_;
+};
+
+/// n' x of one row.
+Real row_value(const QpRow& row, std::span<const Real> x);
+
+}  // namespace swiftlet

@@ -15,6 +15,10 @@
 
 namespace swiftlet {
 
+/// Speed [m/s] and acceleration [m/s^2] limits outside this range are no request of a multirotor: kBadRequest.
+inline constexpr Real kLeastLimit = Real(1e-3);
+inline constexpr Real kLargestLimit = Real(1e3);
+
 enum class LimitNorm : std::uint8_t { kAxis, kEuclidean };
 
 struct PlanRequest {
@@ -24,9 +28,9 @@ struct PlanRequest {
   Real a_max = 0;  ///< [m/s^2]
   LimitNorm norm = LimitNorm::kAxis;
   CorridorKind corridor = CorridorKind::kExtents;
-  bool relax = true;      ///< kCells only
+  bool relax = true;  ///< kCells only
   SearchOptions search;
-  Real snap_distance = 0; ///< [m] move a start or goal that is not free to the nearest free point within this distance
+  Real snap_distance = 0;  ///< [m] move a start or goal that is not free to the nearest free point within this distance
 };
 
 /// Where a plan's answer lies; spans point into the planner's storage and live until its next call.
@@ -38,6 +42,8 @@ struct Plan {
   std::span<const Segment> segments;  ///< M segments; empty without a trajectory
   State start;                        ///< the states that were planned between: the request's, or the snapped ones
   State goal;
+  Vector3 qp_v_max = Vector3::Zero();  ///< [m/s] per-axis limits that the QP was given; its margins are zero
+  Vector3 qp_a_max = Vector3::Zero();  ///< [m/s^2]
   Certificate certificate;
   SearchReport search;
   TrajectoryReport trajectory;
@@ -52,6 +58,9 @@ struct PlannerSpans {
   std::span<Box> gates;
   std::span<Vector3> points;
   std::span<Vector3> point_scratch;
+  std::span<Real> profile;
+  std::span<Real> durations;
+  std::span<Real> stop_durations;
   std::span<Segment> segments;
   TrajectorySpans trajectory;
 };
@@ -70,12 +79,19 @@ class Planner {
   Status find_corridor(const BoxGraphView& graph, const PlanRequest& request);
 
   /// Stage two, after a find_corridor that returned kOk for the same request: times, QP, fallback, certificate.
-  /// Errors: kFallback (an answer, certified, not the optimum), kInfeasible (from motion only).
-  Status fit_trajectory(const BoxGraphView& graph, const PlanRequest& request);
+  /// Errors: kFallback (certified, but not the optimum), kInfeasible (from motion only), kNumericalTrouble (nothing
+  /// passed its certificate).
+  Status fit_trajectory(const PlanRequest& request);
 
   [[nodiscard]] const Plan& result() const { return plan_; }
 
  private:
+  Status search_corridor(const BoxGraphView& graph, const PlanRequest& request);
+  Status allocate_profile();
+  Status solve_stretched(Real stretch);
+  Status optimise();
+  bool certify_plan(const PlanRequest& request, std::span<const Segment> segments);
+
   PlannerSpans spans_;
   Plan plan_;
 };

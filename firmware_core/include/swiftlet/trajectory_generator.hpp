@@ -30,16 +30,19 @@ struct TrajectoryProblem {
   Margins margins;
 };
 
+/// Excess that counts as no violation [m, m/s, m/s^2].
+inline constexpr Real kFeasibility = sizeof(Real) == 8 ? Real(1e-8) : Real(2e-4);
+
 enum class BoundKind : std::uint8_t { kPosition, kVelocity, kAcceleration };
 enum class FallbackReason : std::uint8_t { kNone, kIterations, kDeadline, kNumerics, kStopAtGates };
 
 /// The bound that an infeasible problem founders on.
 struct Blocking {
-  std::uint32_t box = 0;   ///< segment
-  std::uint8_t axis = 0;   ///< 0 x, 1 y, 2 z
+  std::uint32_t box = 0;  ///< segment
+  std::uint8_t axis = 0;  ///< 0 x, 1 y, 2 z
   BoundKind bound = BoundKind::kPosition;
-  Real missing = 0;        ///< [m, m/s, m/s^2] by which the bound is missed at the solver's last point
-  Real stretch = 0;        ///< smallest uniform stretch of the durations found to help; 0 when none was found
+  Real missing = 0;  ///< [m, m/s, m/s^2] by which the bound is missed at the solver's last point
+  Real stretch = 0;  ///< smallest uniform stretch of the durations found to help; 0 when none was found
 };
 
 struct TrajectoryReport {
@@ -48,25 +51,39 @@ struct TrajectoryReport {
   std::uint32_t active = 0;             ///< rows active at the end, all axes
   Real time_scale = 1;                  ///< durations of the answer over those of the first allocation
   FallbackReason fallback_reason = FallbackReason::kNone;
-  Blocking blocking;                    ///< meaningful with kInfeasible
+  Blocking blocking;  ///< meaningful with kInfeasible
+};
+
+/// A bound that a segment exceeds at a point.
+struct Violation {
+  std::uint32_t segment = 0;
+  std::uint8_t derivative = 0;  ///< 0 position, 1 velocity, 2 acceleration
+  Real tau = 0;                 ///< normalised time
+  Real sign = 1;                ///< +1 above the upper bound, -1 below the lower one
+  Real bound = 0;               ///< [m, m/s, m/s^2]; positions relative to the first box
+  Real excess = 0;              ///< [m, m/s, m/s^2] beyond the bound
 };
 
 /// Work space of the generator for up to M segments; see storage.hpp.
 struct TrajectorySpans {
-  QpSpans qp;
-  std::span<Vector3> junction_position;      ///< M + 1 [m], relative to the first box
-  std::span<Vector3> junction_velocity;      ///< M + 1 [m/s]
-  std::span<Vector3> junction_acceleration;  ///< M + 1 [m/s^2]
-  std::span<Real> durations;                 ///< M [s]
+  QpSpans qp;                       ///< M - 1 blocks
+  std::span<Violation> violations;  ///< M
 };
 
 /// Minimum-jerk trajectory for the durations as given (Sec. IV-B to IV-D): one dual active-set run an axis, rows
-/// generated lazily at violating extrema. With margins that cannot be met the run is repeated without.
+/// generated lazily at violating extrema. With margins that cannot be met the run is repeated without. Bounds hold to
+/// kFeasibility at every t.
 ///   segments   receives M segments, in frame W
 /// Errors: kBadRequest (counts, lo > hi, a gate outside a box, durations not > 0, non-finite numbers, limits not > 0),
 /// kInfeasible (at zero margins; report.blocking says where), kIterationLimit, kNumericalTrouble, kCorridorCapacity.
-Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpans& spans,
-                           std::span<Segment> segments, TrajectoryReport& report);
+Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::span<Segment> segments,
+                           TrajectoryReport& report);
+
+/// The smallest uniform stretch of the durations, to one percent and at most `kLargestStretch`, with which
+/// generate_trajectory succeeds; 0 when none was found. `durations` is scratch of M elements.
+inline constexpr Real kLargestStretch = 64;
+Real smallest_stretch(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::span<Segment> segments,
+                      std::span<Real> durations);
 
 /// The stop-at-every-gate trajectory through `points` (M + 1, one in each gate, start and goal at the ends): straight
 /// rest-to-rest quintics within per-axis limits. Always inside convex boxes that hold both ends of each leg.

@@ -1,9 +1,8 @@
 #pragma once
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-
-#include <Eigen/Core>
 
 namespace swiftlet {
 

@@ -1,0 +1,37 @@
+#pragma once
+#include <array>
+#include <cstddef>
+
+#include "swiftlet/types.hpp"
+
+namespace swiftlet {
+
+/// One axis of one segment in normalised time tau = t / T, 0 <= tau <= 1 (eq. 5 with N = 5, in the end-derivative form
+/// of eq. 8).
+
+/// End states (p0, v0 T, a0 T^2, p1, v1 T, a1 T^2), all in metres.
+using QuinticEnds = std::array<Real, 6>;
+/// Coefficients of tau^0 ... tau^5 [m].
+using Quintic = std::array<Real, 6>;
+
+/// The quintic with the given end states.
+Quintic quintic_from_ends(const QuinticEnds& ends);
+
+/// Weights w such that the `derivative`-th tau-derivative (0 to 2) at `tau` is sum_k w[k] ends[k].
+QuinticEnds quintic_basis(int derivative, Real tau);
+
+/// Bernstein control points: the quintic lies in their hull.
+std::array<Real, 6> quintic_control_points(const QuinticEnds& ends);
+
+/// The `derivative`-th tau-derivative at `tau`.
+Real quintic_value(const Quintic& quintic, int derivative, Real tau);
+
+/// Points where the `derivative`-th derivative (0 to 2) may take its extreme values inside the segment: the roots of
+/// the next derivative in [0, 1], ascending; `count` of them, at most four.
+struct CriticalPoints {
+  std::array<Real, 4> tau{};
+  std::size_t count = 0;
+};
+CriticalPoints critical_points(const Quintic& quintic, int derivative);
+
+}  // namespace swiftlet

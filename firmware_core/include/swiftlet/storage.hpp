@@ -1,0 +1,69 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "swiftlet/planner.hpp"
+
+namespace swiftlet {
+
+/// What a board affords; stated once in boards/<board>/board_config.hpp.
+struct Capacity {
+  std::size_t segments;      ///< boxes of a corridor
+  std::size_t search_nodes;  ///< windows that one search may reach
+};
+
+/// Memory of the trajectory stage for up to `kSegments` segments, trivially destructible.
+template <std::size_t kSegments>
+class TrajectoryStorage {
+ public:
+  TrajectorySpans spans() {
+    return {{factor_, optimum_, solution_, work_, rows_, multipliers_, target_, gram_factor_}, violations_};
+  }
+
+ private:
+  // Rows active at once on one axis: every junction against its gate, and a few extrema.
+  static constexpr std::size_t kActive = kSegments + 16;
+
+  std::array<FactorBlock, kSegments> factor_;
+  std::array<Real, kBlockSize * kSegments> optimum_;
+  std::array<Real, kBlockSize * kSegments> solution_;
+  std::array<Real, kBlockSize * kSegments> work_;
+  std::array<QpRow, kActive> rows_;
+  std::array<Real, kActive> multipliers_;
+  std::array<Real, kActive> target_;
+  std::array<Real, kActive*(kActive + 1) / 2> gram_factor_;
+  std::array<Violation, kSegments> violations_;
+};
+
+/// All memory of one planner. Make it static: it is large, and its size is known at compile time.
+template <Capacity kCapacity>
+class PlannerStorage {
+ public:
+  PlannerSpans spans() {
+    return {{nodes_, open_, hash_}, cell_path_, int_boxes_, boxes_,          gates_,    points_,
+            point_scratch_,         profile_,   durations_, stop_durations_, segments_, trajectory_.spans()};
+  }
+
+ private:
+  // A shortcut corridor holds far fewer boxes than the cells it was made from.
+  static constexpr std::size_t kPathCells = 16 * kCapacity.segments;
+
+  std::array<SearchNode, kCapacity.search_nodes> nodes_;
+  std::array<OpenEntry, kCapacity.search_nodes> open_;
+  std::array<std::uint32_t, std::bit_ceil(2 * kCapacity.search_nodes)> hash_;
+  std::array<CellIndex, kPathCells> cell_path_;
+  std::array<IntBox, kCapacity.segments> int_boxes_;
+  std::array<Box, kCapacity.segments> boxes_;
+  std::array<Box, kCapacity.segments> gates_;
+  std::array<Vector3, kCapacity.segments + 1> points_;
+  std::array<Vector3, kCapacity.segments + 1> point_scratch_;
+  std::array<Real, kCapacity.segments> profile_;
+  std::array<Real, kCapacity.segments> durations_;
+  std::array<Real, kCapacity.segments> stop_durations_;
+  std::array<Segment, kCapacity.segments> segments_;
+  TrajectoryStorage<kCapacity.segments> trajectory_;
+};
+
+}  // namespace swiftlet

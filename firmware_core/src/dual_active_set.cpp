@@ -1,0 +1,213 @@
+#include "swiftlet/dual_active_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace swiftlet {
+namespace {
+
+// A new row counts as a combination of the active ones when less than this share of its squared length (in the metric
+// of P^-1) is its own.
+constexpr Real kDependentShare = std::numeric_limits<Real>::epsilon() * 512;
+
+constexpr std::size_t packed(std::size_t row, std::size_t column) { return row * (row + 1) / 2 + column; }
+
+std::size_t entries(const QpRow& row, std::size_t unknowns) {
+  return std::min(row.coefficients.size(), unknowns - kBlockSize * row.block);
+}
+
+/// x += factor * n
+void add_row(const QpRow& row, Real factor, std::span<Real> x) {
+  const std::size_t first = kBlockSize * row.block;
+  for (std::size_t i = 0; i < entries(row, x.size()); ++i) x[first + i] += factor * row.coefficients[i];
+}
+
+}  // namespace
+
+Real row_value(const QpRow& row, std::span<const Real> x) {
+  const std::size_t first = kBlockSize * row.block;
+  Real value = 0;
+  for (std::size_t i = 0; i < entries(row, x.size()); ++i) value += row.coefficients[i] * x[first + i];
+  return value;
+}
+
+DualActiveSet::DualActiveSet(const QpSpans& spans, std::size_t block_count, std::uint32_t iteration_limit)
+    : spans_(spans), block_count_(block_count), iteration_limit_(iteration_limit) {
+  const std::size_t unknowns = kBlockSize * block_count;
+  spans_.optimum = spans_.optimum.first(unknowns);
+  spans_.solution = spans_.solution.first(unknowns);
+  spans_.work = spans_.work.first(unknowns);
+  std::copy(spans_.optimum.begin(), spans_.optimum.end(), spans_.solution.begin());
+}
+
+Status DualActiveSet::enforce(const QpRow& row) {
+  Status status = append(row);
+  if (status == Status::kOk) status = settle();
+  if (status == Status::kOk) update_solution();
+  return status;
+}
+
+/// Makes `row` active. While it depends on the active rows, weight moves from them to it until one of them lets go;
+/// when none can, the rows contradict each other.
+Status DualActiveSet::append(const QpRow& row) {
+  const std::span<Real> direction = spans_.target;
+  Real weight = 0;  // multiplier that the new row has taken over
+  while (true) {
+    if (active_count_ == spans_.rows.size() || ++iterations_ > iteration_limit_) return Status::kIterationLimit;
+    const Result<bool> independent = row_is_independent(row);
+    if (!independent.ok()) return independent.status();
+    if (*independent) break;
+    solve_gram_upper(direction);
+    Real step = 0;
+    const std::size_t blocking = blocking_row(direction, step);
+    if (blocking == active_count_) return Status::kInfeasible;
+    for (std::size_t j = 0; j < active_count_; ++j) spans_.multipliers[j] -= step * direction[j];
+    weight += step;
+    drop(blocking);
+  }
+  spans_.rows[active_count_] = row;
+  spans_.multipliers[active_count_] = weight;
+  ++active_count_;
+  return Status::kOk;
+}
+
+/// Computes the new row of the Gram factor behind the active ones, and leaves L^-1 N' P^-1 n in `target`.
+Result<bool> DualActiveSet::row_is_independent(const QpRow& row) {
+  std::fill(spans_.work.begin(), spans_.work.end(), Real(0));
+  add_row(row, 1, spans_.work);
+  solve_hessian(spans_.work, row.block);
+  const Real own = row_value(row, spans_.work);
+  for (std::size_t j = 0; j < active_count_; ++j) spans_.target[j] = row_value(spans_.rows[j], spans_.work);
+  solve_gram_lower(spans_.target);
+  Real rest = own;
+  for (std::size_t j = 0; j < active_count_; ++j) {
+    spans_.gram_factor[packed(active_count_, j)] = spans_.target[j];
+    rest -= spans_.target[j] * spans_.target[j];
+  }
+  if (!std::isfinite(rest)) return Status::kNumericalTrouble;
+  if (rest <= kDependentShare * own) return false;
+  spans_.gram_factor[packed(active_count_, active_count_)] = std::sqrt(rest);
+  return true;
+}
+
+/// The active row whose multiplier reaches zero first along -direction, and the step there; active_count_ for none.
+std::size_t DualActiveSet::blocking_row(std::span<const Real> direction, Real& step) const {
+  std::size_t blocking = active_count_;
+  for (std::size_t j = 0; j < active_count_; ++j) {
+    if (!(direction[j] > 0)) continue;
+    const Real limit = spans_.multipliers[j] / direction[j];
+    if (blocking == active_count_ || limit < step) {
+      step = limit;
+      blocking = j;
+    }
+  }
+  return blocking;
+}
+
+/// Moves the multipliers to the optimum of the active rows taken as equalities; a row whose multiplier would turn
+/// negative on the way is dropped and the optimum is sought again.
+Status DualActiveSet::settle() {
+  while (true) {
+    const std::span<Real> target = spans_.target;
+    for (std::size_t j = 0; j < active_count_; ++j) {
+      target[j] = row_value(spans_.rows[j], spans_.optimum) - spans_.rows[j].bound;
+    }
+    solve_gram_lower(target);
+    solve_gram_upper(target);
+    Real step = 1;
+    std::size_t blocking = active_count_;
+    for (std::size_t j = 0; j < active_count_; ++j) {
+      if (!std::isfinite(target[j])) return Status::kNumericalTrouble;
+      if (target[j] >= 0) continue;
+      const Real limit = spans_.multipliers[j] / (spans_.multipliers[j] - target[j]);
+      if (blocking == active_count_ || limit < step) {
+        step = limit;
+        blocking = j;
+      }
+    }
+    for (std::size_t j = 0; j < active_count_; ++j) {
+      spans_.multipliers[j] += step * (target[j] - spans_.multipliers[j]);
+    }
+    if (blocking == active_count_) return Status::kOk;
+    if (++iterations_ > iteration_limit_) return Status::kIterationLimit;
+    drop(blocking);
+  }
+}
+
+/// x = x0 - P^-1 N u.
+void DualActiveSet::update_solution() {
+  std::fill(spans_.work.begin(), spans_.work.end(), Real(0));
+  for (std::size_t j = 0; j < active_count_; ++j) add_row(spans_.rows[j], spans_.multipliers[j], spans_.work);
+  solve_hessian(spans_.work, 0);
+  for (std::size_t i = 0; i < spans_.work.size(); ++i) spans_.solution[i] = spans_.optimum[i] - spans_.work[i];
+}
+
+/// Removes an active row; Givens rotations of neighbouring columns restore the triangle below it.
+void DualActiveSet::drop(std::size_t row) {
+  const std::span<Real> L = spans_.gram_factor;
+  for (std::size_t k = row; k + 1 < active_count_; ++k) {
+    const Real a = L[packed(k + 1, k)];
+    const Real b = L[packed(k + 1, k + 1)];
+    const Real r = std::sqrt(a * a + b * b);
+    const Real c = a / r;
+    const Real s = b / r;
+    L[packed(k + 1, k)] = r;
+    for (std::size_t i = k + 2; i < active_count_; ++i) {
+      const Real left = L[packed(i, k)];
+      const Real right = L[packed(i, k + 1)];
+      L[packed(i, k)] = c * left + s * right;
+      L[packed(i, k + 1)] = c * right - s * left;
+    }
+  }
+  for (std::size_t k = row; k + 1 < active_count_; ++k) {
+    for (std::size_t j = 0; j <= k; ++j) L[packed(k, j)] = L[packed(k + 1, j)];
+    spans_.rows[k] = spans_.rows[k + 1];
+    spans_.multipliers[k] = spans_.multipliers[k + 1];
+  }
+  --active_count_;
+}
+
+void DualActiveSet::solve_gram_lower(std::span<Real> rhs) const {
+  for (std::size_t i = 0; i < active_count_; ++i) {
+    const Real* row = &spans_.gram_factor[packed(i, 0)];
+    Real sum = rhs[i];
+    for (std::size_t j = 0; j < i; ++j) sum -= row[j] * rhs[j];
+    rhs[i] = sum / row[i];
+  }
+}
+
+void DualActiveSet::solve_gram_upper(std::span<Real> rhs) const {
+  for (std::size_t i = active_count_; i-- > 0;) {
+    const Real* row = &spans_.gram_factor[packed(i, 0)];
+    rhs[i] /= row[i];
+    for (std::size_t j = 0; j < i; ++j) rhs[j] -= row[j] * rhs[i];
+  }
+}
+
+/// rhs becomes P^-1 rhs; blocks of rhs before `first_block` are zero on entry.
+void DualActiveSet::solve_hessian(std::span<Real> rhs, std::size_t first_block) const {
+  for (std::size_t k = first_block; k < block_count_; ++k) {
+    const std::array<Real, 6>& d = spans_.factor[k].diagonal;
+    Real* y = &rhs[kBlockSize * k];
+    y[0] /= d[0];
+    y[1] = (y[1] - d[1] * y[0]) / d[3];
+    y[2] = (y[2] - d[2] * y[0] - d[4] * y[1]) / d[5];
+    if (k + 1 == block_count_) break;
+    const std::array<Real, 9>& e = spans_.factor[k].coupling;
+    for (std::size_t j = 0; j < kBlockSize; ++j) y[3 + j] -= e[j] * y[0] + e[3 + j] * y[1] + e[6 + j] * y[2];
+  }
+  for (std::size_t k = block_count_; k-- > 0;) {
+    const std::array<Real, 6>& d = spans_.factor[k].diagonal;
+    Real* x = &rhs[kBlockSize * k];
+    if (k + 1 < block_count_) {
+      const std::array<Real, 9>& e = spans_.factor[k].coupling;
+      for (std::size_t i = 0; i < kBlockSize; ++i) x[i] -= e[3 * i] * x[3] + e[3 * i + 1] * x[4] + e[3 * i + 2] * x[5];
+    }
+    x[2] /= d[5];
+    x[1] = (x[1] - d[4] * x[2]) / d[3];
+    x[0] = (x[0] - d[1] * x[1] - d[2] * x[2]) / d[0];
+  }
+}
+
+}  // namespace swiftlet

@@ -1,0 +1,215 @@
+#include "swiftlet/min_jerk.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace swiftlet {
+namespace {
+
+constexpr Real kSqrt3 = Real(1.7320508075688772935);
+constexpr Real kSqrt5 = Real(2.2360679774997896964);
+
+// The jerk of a quintic in orthonormal Legendre polynomials over [0, 1], as rows over the end states: the integral of
+// squared jerk is the sum of squares of these three numbers, over T^5.
+constexpr std::array<std::array<Real, 6>, 3> kJerkRows{{
+    {0, 0, -1, 0, 0, 1},
+    {0, 2 * kSqrt3, kSqrt3, 0, -2 * kSqrt3, kSqrt3},
+    {-12 * kSqrt5, -6 * kSqrt5, -kSqrt5, 12 * kSqrt5, -6 * kSqrt5, kSqrt5},
+}};
+
+Real junction_scale(const AxisProblem& problem, std::size_t junction) {
+  return std::sqrt(problem.durations[junction] * problem.durations[junction + 1]);
+}
+
+Real gate_middle(const AxisProblem& problem, std::size_t junction) {
+  return (problem.gate_lo(junction) + problem.gate_hi(junction)) / 2;
+}
+
+/// Constant end states of the whole trajectory, normalised by the duration of the segment they belong to.
+std::array<Real, 3> normalised(const std::array<Real, 3>& state, Real T) {
+  return {state[0], state[1] * T, state[2] * T * T};
+}
+
+/// Factors that turn the unknowns of a junction into normalised end states of a segment of duration T.
+std::array<Real, 3> end_scales(const AxisProblem& problem, std::size_t junction, Real T) {
+  const Real ratio = T / junction_scale(problem, junction);
+  return {1, ratio, ratio * ratio};
+}
+
+/// A few rows over two neighbouring blocks and a right-hand side, triangularised from the left.
+class RowStack {
+ public:
+  static constexpr std::size_t kColumns = 2 * kBlockSize + 1;
+  static constexpr std::size_t kRhs = 2 * kBlockSize;
+  using Row = std::array<Real, kColumns>;
+
+  void push(const Row& row) { rows_[count_++] = row; }
+  [[nodiscard]] std::size_t size() const { return count_; }
+  [[nodiscard]] const Row& operator[](std::size_t i) const { return rows_[i]; }
+
+  /// Householder reflection of rows `pivot` and below that clears `column` under row `pivot`.
+  void reflect(std::size_t pivot, std::size_t column) {
+    if (pivot >= count_) return;
+    Real norm2 = 0;
+    for (std::size_t i = pivot; i < count_; ++i) norm2 += rows_[i][column] * rows_[i][column];
+    if (!(norm2 > 0)) return;
+    const Real head = rows_[pivot][column];
+    const Real alpha = head > 0 ? -std::sqrt(norm2) : std::sqrt(norm2);
+    std::array<Real, kMaxRows> v{};
+    for (std::size_t i = pivot; i < count_; ++i) v[i] = rows_[i][column];
+    v[pivot] -= alpha;
+    const Real scale = 1 / (alpha * (alpha - head));  // 2 / |v|^2
+    for (std::size_t j = column; j < kColumns; ++j) {
+      Real dot = 0;
+      for (std::size_t i = pivot; i < count_; ++i) dot += v[i] * rows_[i][j];
+      for (std::size_t i = pivot; i < count_; ++i) rows_[i][j] -= scale * dot * v[i];
+    }
+    rows_[pivot][column] = alpha;
+    for (std::size_t i = pivot + 1; i < count_; ++i) rows_[i][column] = 0;
+  }
+
+  /// Makes `column` a constant: its part moves to the right-hand side.
+  void substitute(std::size_t column, Real value) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      rows_[i][kRhs] -= rows_[i][column] * value;
+      rows_[i][column] = 0;
+    }
+  }
+
+  /// Drops the first `done` rows and the left block; what is left constrains the right block alone. At most three rows
+  /// of it matter, the rest is residual.
+  void advance(std::size_t done) {
+    for (std::size_t i = done; i < count_; ++i) {
+      const Row& from = rows_[i];
+      rows_[i - done] = {from[3], from[4], from[5], 0, 0, 0, from[kRhs]};
+    }
+    count_ -= done;
+    if (count_ <= kBlockSize) return;
+    for (std::size_t column = 0; column < kBlockSize; ++column) reflect(column, column);
+    count_ = kBlockSize;
+  }
+
+ private:
+  static constexpr std::size_t kMaxRows = 2 * kBlockSize;
+  std::array<Row, kMaxRows> rows_{};
+  std::size_t count_ = 0;
+};
+
+/// Adds the three jerk rows of a segment over (left junction, right junction); a missing junction is a constant.
+void push_segment(const AxisProblem& problem, std::size_t segment, RowStack& stack) {
+  const Real T = problem.durations[segment];
+  const Real weight = 1 / (T * T * std::sqrt(T));
+  const bool first = segment == 0;
+  const bool last = segment + 1 == problem.segment_count();
+  const std::array<Real, 3> left = first ? normalised(problem.start, T) : end_scales(problem, segment - 1, T);
+  const std::array<Real, 3> right = last ? normalised(problem.goal, T) : end_scales(problem, segment, T);
+  for (const std::array<Real, 6>& jerk : kJerkRows) {
+    RowStack::Row row{};
+    for (std::size_t j = 0; j < kBlockSize; ++j) {
+      const Real at_left = weight * jerk[j] * left[j];
+      const Real at_right = weight * jerk[kBlockSize + j] * right[j];
+      // The first segment's right junction is the leftmost block of the chain.
+      if (!first) row[j] = at_left;
+      if (!last) row[first ? j : kBlockSize + j] = at_right;
+      row[RowStack::kRhs] -= (first ? at_left : 0) + (last ? at_right : 0);
+    }
+    stack.push(row);
+  }
+}
+
+}  // namespace
+
+void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum) {
+  const std::size_t junctions = problem.segment_count() - 1;
+  if (junctions == 0) return;
+  RowStack stack;
+  push_segment(problem, 0, stack);
+  for (std::size_t k = 0; k < junctions; ++k) {
+    push_segment(problem, k + 1, stack);
+    const bool pinned = is_pinned(problem, k);
+    if (pinned) stack.substitute(0, gate_middle(problem, k));
+    FactorBlock& block = factor[k];
+    block = {};
+    std::size_t row = 0;
+    for (std::size_t column = 0; column < kBlockSize; ++column) {
+      Real* diagonal = &block.diagonal[column == 0 ? 0 : column == 1 ? 3 : 5];
+      if (column == 0 && pinned) {
+        *diagonal = 1;
+        optimum[kBlockSize * k] = gate_middle(problem, k);
+        continue;
+      }
+      stack.reflect(row, column);
+      for (std::size_t j = column; j < kBlockSize; ++j) diagonal[j - column] = stack[row][j];
+      for (std::size_t j = 0; j < kBlockSize; ++j) block.coupling[kBlockSize * column + j] = stack[row][kBlockSize + j];
+      optimum[kBlockSize * k + column] = stack[row][RowStack::kRhs];
+      ++row;
+    }
+    // The right neighbour's constant position belongs to the right-hand side of this block too.
+    stack.advance(row);
+  }
+  for (std::size_t k = junctions; k-- > 0;) {
+    Real* x = &optimum[kBlockSize * k];
+    FactorBlock& block = factor[k];
+    if (k + 1 < junctions) {
+      for (std::size_t i = 0; i < kBlockSize; ++i) {
+        for (std::size_t j = 0; j < kBlockSize; ++j) x[i] -= block.coupling[kBlockSize * i + j] * x[kBlockSize + j];
+        if (is_pinned(problem, k + 1)) block.coupling[kBlockSize * i] = 0;
+      }
+    }
+    x[2] /= block.diagonal[5];
+    x[1] = (x[1] - block.diagonal[4] * x[2]) / block.diagonal[3];
+    x[0] = (x[0] - block.diagonal[1] * x[1] - block.diagonal[2] * x[2]) / block.diagonal[0];
+  }
+}
+
+QuinticEnds segment_ends(const AxisProblem& problem, std::size_t segment, std::span<const Real> unknowns) {
+  const Real T = problem.durations[segment];
+  QuinticEnds ends{};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const bool constant = side == 0 ? segment == 0 : segment + 1 == problem.segment_count();
+    const std::size_t junction = segment + side - 1;  // unused where constant
+    const std::array<Real, 3> scale =
+        constant ? normalised(side == 0 ? problem.start : problem.goal, T) : end_scales(problem, junction, T);
+    for (std::size_t j = 0; j < kBlockSize; ++j) {
+      ends[kBlockSize * side + j] = constant ? scale[j] : scale[j] * unknowns[kBlockSize * junction + j];
+    }
+  }
+  return ends;
+}
+
+QpRow extremum_row(const AxisProblem& problem, std::size_t segment, int derivative, Real tau, Real sign, Real bound) {
+  const Real T = problem.durations[segment];
+  Real unit = sign;
+  for (int d = 0; d < derivative; ++d) unit /= T;
+  const QuinticEnds basis = quintic_basis(derivative, tau);
+  QpRow row;
+  row.block = static_cast<std::uint32_t>(segment == 0 ? 0 : segment - 1);
+  row.bound = sign * bound;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const bool constant = side == 0 ? segment == 0 : segment + 1 == problem.segment_count();
+    const std::size_t junction = segment + side - 1;
+    const std::array<Real, 3> scale =
+        constant ? normalised(side == 0 ? problem.start : problem.goal, T) : end_scales(problem, junction, T);
+    for (std::size_t j = 0; j < kBlockSize; ++j) {
+      const Real weight = unit * basis[kBlockSize * side + j] * scale[j];
+      if (constant) {
+        row.bound -= weight;
+      } else if (j == 0 && is_pinned(problem, junction)) {
+        row.bound -= weight * gate_middle(problem, junction);
+      } else {
+        row.coefficients[kBlockSize * (junction - row.block) + j] = weight;
+      }
+    }
+  }
+  return row;
+}
+
+QpRow gate_row(std::size_t junction, Real sign, Real bound) {
+  QpRow row;
+  row.block = static_cast<std::uint32_t>(junction);
+  row.coefficients[0] = sign;
+  row.bound = sign * bound;
+  return row;
+}
+
+}  // namespace swiftlet

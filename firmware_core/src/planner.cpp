@@ -1,0 +1,214 @@
+#include "swiftlet/planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "swiftlet/time_allocation.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+// An axis-wise speed limit that keeps the Euclidean one: 1 / sqrt(3), rounded down.
+constexpr Real kNormShare = Real(0.57735);
+// No segment is shorter than this share of the mean: where the taut path touches two gates in one point its profile
+// gives no time at all, and the cost grows with T^-5.
+constexpr Real kShortestShare = Real(0.05);
+constexpr Real kShortestDuration = Real(1e-3);  // [s]
+// The stretch of the first allocation is searched on a geometric grid, then to kStretchPrecision.
+constexpr Real kStretchStep = Real(1.25);
+constexpr Real kStretchPrecision = Real(1.01);
+constexpr int kStretchSteps = 20;
+
+bool is_finite(const State& state) {
+  return (state.position.array().abs() < kInfinity).all() && (state.velocity.array().abs() < kInfinity).all() &&
+         (state.acceleration.array().abs() < kInfinity).all();
+}
+
+bool is_usable(Real limit) { return limit >= kLeastLimit && limit <= kLargestLimit; }
+
+bool is_at_rest(const State& state) { return state.velocity.isZero(0) && state.acceleration.isZero(0); }
+
+/// The cell of a state's position; moves the position to the nearest free point within `snap`.
+std::optional<CellIndex> locate_or_snap(const BoxGraphView& graph, Real snap, State& state) {
+  const std::optional<CellIndex> cell = graph.locate(state.position);
+  if (cell || !(snap > 0)) return cell;
+  const std::optional<BoxGraphView::NearestFree> nearest = graph.nearest_free(state.position);
+  if (!nearest || nearest->distance > snap) return std::nullopt;
+  state.position = nearest->point;
+  return nearest->cell;
+}
+
+/// Why a solve that ended with `status` left the plan to its fallback.
+FallbackReason reason_for_fallback(Status status) {
+  switch (status) {
+    case Status::kIterationLimit:
+      return FallbackReason::kIterations;
+    case Status::kInfeasible:
+      return FallbackReason::kStopAtGates;
+    default:
+      return FallbackReason::kNumerics;  // kOk: solved, but its certificate did not pass
+  }
+}
+
+std::uint64_t volume(const IntBox& box) {
+  std::uint64_t product = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) product *= static_cast<std::uint64_t>(box.hi[axis] - box.lo[axis]);
+  return product;
+}
+
+/// Every box lies in an extent of the path's cells, or is covered by cells: apart from how the corridor was made.
+bool corridor_is_free(const BoxGraphView& graph, std::span<const CellIndex> cells, std::span<const IntBox> boxes) {
+  std::size_t next = 0;
+  for (const IntBox& box : boxes) {
+    std::size_t k = next;
+    while (k < cells.size() && !contains(graph.extent(cells[k]), box)) ++k;
+    if (k < cells.size()) {
+      next = k;
+    } else if (graph.covered_volume(box) != volume(box)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+const Plan& Planner::plan(const BoxGraphView& graph, const PlanRequest& request) {
+  if (find_corridor(graph, request) == Status::kOk) (void)fit_trajectory(request);
+  return plan_;
+}
+
+Status Planner::find_corridor(const BoxGraphView& graph, const PlanRequest& request) {
+  plan_ = {};
+  plan_.start = request.start;
+  plan_.goal = request.goal;
+  plan_.status = search_corridor(graph, request);
+  return plan_.status;
+}
+
+Status Planner::search_corridor(const BoxGraphView& graph, const PlanRequest& request) {
+  if (!is_finite(request.start) || !is_finite(request.goal)) return Status::kBadRequest;
+  if (!is_usable(request.v_max) || !is_usable(request.a_max) || !(request.snap_distance >= 0)) {
+    return Status::kBadRequest;
+  }
+  const std::optional<CellIndex> start_cell = locate_or_snap(graph, request.snap_distance, plan_.start);
+  if (!start_cell) return Status::kStartNotFree;
+  const std::optional<CellIndex> goal_cell = locate_or_snap(graph, request.snap_distance, plan_.goal);
+  if (!goal_cell) return Status::kGoalNotFree;
+  if (graph.component(*start_cell) != graph.component(*goal_cell)) return Status::kNoPath;
+
+  std::size_t cell_count = 0;
+  Status status = find_cell_path(graph, *start_cell, plan_.start.position, *goal_cell, plan_.goal.position,
+                                 request.search, spans_.search, spans_.cell_path, cell_count, plan_.search);
+  if (status != Status::kOk) return status;
+  const std::span<const CellIndex> cells = spans_.cell_path.first(cell_count);
+  std::size_t count = 0;
+  status = build_corridor(graph, cells, request.corridor, request.relax, spans_.int_boxes, count);
+  if (status != Status::kOk) return status;
+  plan_.int_boxes = spans_.int_boxes.first(count);
+  if (!corridor_is_free(graph, cells, plan_.int_boxes)) return Status::kBlobInconsistent;
+
+  for (std::size_t i = 0; i < count; ++i) spans_.boxes[i] = graph.to_world(plan_.int_boxes[i]);
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    spans_.gates[i] = graph.to_world(intersection(plan_.int_boxes[i], plan_.int_boxes[i + 1]));
+  }
+  plan_.boxes = spans_.boxes.first(count);
+  plan_.gates = spans_.gates.first(count - 1);
+  pull_taut(plan_.start.position, plan_.goal.position, plan_.gates, spans_.points.first(count + 1),
+            spans_.point_scratch.first(count + 1));
+  return Status::kOk;
+}
+
+Status Planner::fit_trajectory(const PlanRequest& request) {
+  const Real share = request.norm == LimitNorm::kEuclidean ? kNormShare : Real(1);
+  plan_.qp_v_max = Vector3::Constant(share * request.v_max);
+  plan_.qp_a_max = Vector3::Constant(share * request.a_max);
+  const std::size_t count = plan_.boxes.size();
+  const std::span<Segment> segments = spans_.segments.first(count);
+
+  // The answer that always exists, before anything that could run out (design: section 6).
+  const std::span<const Vector3> points = spans_.points.first(count + 1);
+  stop_at_gates(points, plan_.qp_v_max, plan_.qp_a_max, segments);
+  for (std::size_t i = 0; i < count; ++i) spans_.stop_durations[i] = segments[i].duration;
+
+  plan_.status = optimise();
+  if (plan_.status == Status::kOk && certify_plan(request, segments)) return plan_.status;
+  if (!is_at_rest(plan_.start) || !is_at_rest(plan_.goal)) return plan_.status = Status::kInfeasible;
+  plan_.trajectory.fallback_reason = reason_for_fallback(plan_.status);
+  stop_at_gates(points, plan_.qp_v_max, plan_.qp_a_max, segments);
+  plan_.status = certify_plan(request, segments) ? Status::kFallback : Status::kNumericalTrouble;
+  return plan_.status;
+}
+
+/// Segment durations along the taut path; junctions that coincide get a share of the mean.
+Status Planner::allocate_profile() {
+  const std::size_t count = plan_.boxes.size();
+  const std::span<Real> profile = spans_.profile.first(count);
+  const SpeedLimits limits{plan_.qp_v_max[0], plan_.qp_a_max[0]};
+  const Status status = allocate_durations(spans_.points.first(count + 1), limits, profile);
+  if (status != Status::kOk) return status;
+  Real total = 0;
+  for (const Real duration : profile) total += duration;
+  const Real shortest = std::max(kShortestShare * total / static_cast<Real>(count), kShortestDuration);
+  for (Real& duration : profile) duration = std::max(duration, shortest);
+  return Status::kOk;
+}
+
+/// The QP at durations of `stretch` times the profile, each at most its stopping time where the plan is from rest to
+/// rest.
+Status Planner::solve_stretched(Real stretch) {
+  const std::size_t count = plan_.boxes.size();
+  const bool from_rest = is_at_rest(plan_.start) && is_at_rest(plan_.goal);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Real longest = from_rest ? std::max(spans_.stop_durations[i], spans_.profile[i]) : kInfinity;
+    spans_.durations[i] = std::min(stretch * spans_.profile[i], longest);
+  }
+  const TrajectoryProblem problem{plan_.boxes,    plan_.gates, spans_.durations.first(count),
+                                  plan_.start,    plan_.goal,  plan_.qp_v_max,
+                                  plan_.qp_a_max, Margins{}};
+  const std::uint32_t spent = plan_.trajectory.qp_iterations;
+  const Status status = generate_trajectory(problem, spans_.trajectory, spans_.segments.first(count), plan_.trajectory);
+  plan_.trajectory.qp_iterations += spent;
+  plan_.trajectory.time_scale = stretch;
+  return status;
+}
+
+/// Searches the smallest stretch of the profile that the QP can follow, up or down from 1, and leaves its answer in the
+/// segments. At full stretch every segment has its stopping time, which from rest to rest is always feasible.
+Status Planner::optimise() {
+  if (const Status status = allocate_profile(); status != Status::kOk) return status;
+  Real fails = 0;
+  Real works = 0;
+  Real stretch = 1;
+  Status first = Status::kOk;
+  Blocking blocking;
+  for (int step = 0; step < kStretchSteps; ++step) {
+    const Status status = solve_stretched(stretch);
+    (status == Status::kOk ? works : fails) = stretch;
+    if (step == 0) {
+      first = status;
+      blocking = plan_.trajectory.blocking;
+    }
+    if (works > 0 && works <= kStretchPrecision * fails) break;
+    stretch = works == 0 ? stretch * kStretchStep : fails == 0 ? works / kStretchStep : std::sqrt(works * fails);
+  }
+  if (works > 0) return solve_stretched(works);
+  plan_.trajectory.blocking = blocking;
+  return first;
+}
+
+/// Certifies `segments` against the request and, when they pass, makes them the plan's.
+bool Planner::certify_plan(const PlanRequest& request, std::span<const Segment> segments) {
+  const bool per_axis = request.norm == LimitNorm::kAxis;
+  const Vector3 unlimited = Vector3::Constant(kInfinity);
+  plan_.certificate = certify(segments, {plan_.boxes, plan_.gates, plan_.start, plan_.goal,
+                                         per_axis ? Vector3::Constant(request.v_max) : unlimited,
+                                         per_axis ? Vector3::Constant(request.a_max) : unlimited,
+                                         per_axis ? kInfinity : request.v_max, per_axis ? kInfinity : request.a_max});
+  if (plan_.certificate.pass) plan_.segments = segments;
+  return plan_.certificate.pass;
+}
+
+}  // namespace swiftlet

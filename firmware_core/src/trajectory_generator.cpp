@@ -1,0 +1,355 @@
+#include "swiftlet/trajectory_generator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/min_jerk.hpp"
+#include "swiftlet/quintic.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr std::uint32_t kSweepLimit = 60;  // sweeps over all segments; the reference cases need at most 12
+constexpr Real kGateTolerance = Real(1e-6);
+
+/// Rows added and dropped on one axis; the reference cases need at most 3 M + 20.
+std::uint32_t iteration_limit(std::size_t segments) { return static_cast<std::uint32_t>(10 * segments + 100); }
+
+/// One axis of a problem with its bounds, relative to the low corner of the first box.
+struct AxisBounds {
+  const TrajectoryProblem* problem;
+  AxisProblem axis;
+  Margins margins;
+
+  [[nodiscard]] Eigen::Index row() const { return static_cast<Eigen::Index>(axis.axis); }
+  [[nodiscard]] Real lower(std::size_t segment, int derivative) const {
+    if (derivative == 0) return problem->boxes[segment].lo[row()] - axis.reference;
+    return -upper(segment, derivative);
+  }
+  [[nodiscard]] Real upper(std::size_t segment, int derivative) const {
+    if (derivative == 0) return problem->boxes[segment].hi[row()] - axis.reference;
+    return derivative == 1 ? problem->v_max[row()] : problem->a_max[row()];
+  }
+  [[nodiscard]] Real margin(int derivative) const {
+    return derivative == 0 ? margins.position : derivative == 1 ? margins.velocity : margins.acceleration;
+  }
+};
+
+AxisBounds axis_bounds(const TrajectoryProblem& problem, std::size_t axis, const Margins& margins) {
+  const auto row = static_cast<Eigen::Index>(axis);
+  const Real reference = problem.boxes[0].lo[row];
+  AxisBounds bounds{&problem, {}, margins};
+  bounds.axis = {
+      axis,
+      problem.durations,
+      problem.gates,
+      {problem.start.position[row] - reference, problem.start.velocity[row], problem.start.acceleration[row]},
+      {problem.goal.position[row] - reference, problem.goal.velocity[row], problem.goal.acceleration[row]},
+      reference};
+  return bounds;
+}
+
+bool is_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
+
+bool is_finite(const State& state) {
+  return is_finite(state.position) && is_finite(state.velocity) && is_finite(state.acceleration);
+}
+
+bool is_box(const Box& box) {
+  return is_finite(box.lo) && is_finite(box.hi) && (box.lo.array() <= box.hi.array()).all();
+}
+
+bool lies_in(const Box& inner, const Box& outer) {
+  return (inner.lo.array() >= outer.lo.array() - kGateTolerance).all() &&
+         (inner.hi.array() <= outer.hi.array() + kGateTolerance).all();
+}
+
+bool is_well_posed(const TrajectoryProblem& problem, std::span<Segment> segments) {
+  const std::size_t count = problem.boxes.size();
+  if (count == 0 || problem.gates.size() + 1 != count || problem.durations.size() != count) return false;
+  if (segments.size() < count || !is_finite(problem.start) || !is_finite(problem.goal)) return false;
+  if (!(problem.v_max.array() > 0).all() || !(problem.a_max.array() > 0).all()) return false;
+  const Margins& m = problem.margins;
+  if (!(m.position >= 0 && m.velocity >= 0 && m.acceleration >= 0)) return false;
+  for (const Real duration : problem.durations) {
+    if (!(duration > 0) || !std::isfinite(duration)) return false;
+  }
+  for (const Box& box : problem.boxes) {
+    if (!is_box(box)) return false;
+  }
+  for (std::size_t k = 0; k + 1 < count; ++k) {
+    const Box& gate = problem.gates[k];
+    if (!is_box(gate) || !lies_in(gate, problem.boxes[k]) || !lies_in(gate, problem.boxes[k + 1])) return false;
+  }
+  return true;
+}
+
+/// The bound that the segment exceeds most, relative to the bound's own scale; excess 0 when it keeps them all.
+class SegmentSweep {
+ public:
+  SegmentSweep(const AxisBounds& bounds, std::size_t segment, std::span<const Real> unknowns)
+      : bounds_(bounds), segment_(segment), ends_(segment_ends(bounds.axis, segment, unknowns)) {}
+
+  Violation worst() {
+    for (int derivative = 0; derivative <= 2; ++derivative) {
+      if (!hull_is_inside(derivative)) check_extrema(derivative);
+    }
+    return worst_;
+  }
+
+ private:
+  /// Cheap reject: the Bernstein control points of the derivative lie inside its bounds, so the derivative does.
+  [[nodiscard]] bool hull_is_inside(int derivative) const {
+    std::array<Real, 6> points = quintic_control_points(ends_);
+    const Real T = bounds_.axis.durations[segment_];
+    for (int d = 0; d < derivative; ++d) {
+      const Real factor = static_cast<Real>(5 - d) / T;
+      for (std::size_t i = 0; i + static_cast<std::size_t>(d) + 1 < points.size(); ++i) {
+        points[i] = factor * (points[i + 1] - points[i]);
+      }
+    }
+    const Real lo = bounds_.lower(segment_, derivative);
+    const Real hi = bounds_.upper(segment_, derivative);
+    for (std::size_t i = 0; i + static_cast<std::size_t>(derivative) < points.size(); ++i) {
+      if (!(points[i] >= lo && points[i] <= hi)) return false;
+    }
+    return true;
+  }
+
+  void check_extrema(int derivative) {
+    const Quintic quintic = quintic_from_ends(ends_);
+    const CriticalPoints inner = critical_points(quintic, derivative);
+    for (std::size_t i = 0; i < inner.count; ++i) check(quintic, derivative, inner.tau[i]);
+    // Junctions: once, from the segment on their right; the two ends of the trajectory belong to their only segment.
+    check(quintic, derivative, 0);
+    if (segment_ + 1 == bounds_.axis.segment_count()) check(quintic, derivative, 1);
+  }
+
+  void check(const Quintic& quintic, int derivative, Real tau) {
+    Real value = quintic_value(quintic, derivative, tau);
+    for (int d = 0; d < derivative; ++d) value /= bounds_.axis.durations[segment_];
+    const Real lo = bounds_.lower(segment_, derivative);
+    const Real hi = bounds_.upper(segment_, derivative);
+    const Real excess = std::max(value - hi, lo - value);
+    const Real scale = derivative == 0 ? Real(1) : hi;
+    if (!(excess > kFeasibility) || excess / scale <= worst_ratio_) return;
+    worst_ratio_ = excess / scale;
+    const bool above = value - hi >= lo - value;
+    worst_ = {static_cast<std::uint32_t>(segment_),
+              static_cast<std::uint8_t>(derivative),
+              tau,
+              above ? Real(1) : Real(-1),
+              above ? hi : lo,
+              excess};
+  }
+
+  const AxisBounds& bounds_;
+  std::size_t segment_;
+  QuinticEnds ends_;
+  Violation worst_;
+  Real worst_ratio_ = 0;
+};
+
+/// Eq. 10 without its margin: how far the point of a violation is beyond the bound by now.
+Real remaining_excess(const AxisBounds& bounds, const Violation& violation, std::span<const Real> unknowns) {
+  const QpRow row = extremum_row(bounds.axis, violation.segment, violation.derivative, violation.tau, violation.sign,
+                                 violation.bound);
+  return row_value(row, unknowns) - row.bound;
+}
+
+/// The solve of one axis: gates first, then extrema, until no bound is exceeded.
+class AxisSolve {
+ public:
+  AxisSolve(const AxisBounds& bounds, const TrajectorySpans& spans)
+      : bounds_(bounds),
+        violations_(spans.violations),
+        solver_(factored(bounds, spans.qp), bounds.axis.segment_count() - 1,
+                iteration_limit(bounds.axis.segment_count())) {}
+
+  Status run() {
+    for (std::uint32_t sweep = 0; sweep < kSweepLimit; ++sweep) {
+      if (const Status status = enforce_gates(); status != Status::kOk) return status;
+      const std::size_t count = find_violations();
+      if (count == 0) return Status::kOk;
+      if (const Status status = enforce_violations(count); status != Status::kOk) return status;
+    }
+    return Status::kIterationLimit;
+  }
+
+  [[nodiscard]] const DualActiveSet& solver() const { return solver_; }
+  [[nodiscard]] const Violation& last() const { return last_; }
+  [[nodiscard]] std::uint32_t rows_added() const { return rows_added_; }
+
+ private:
+  static const QpSpans& factored(const AxisBounds& bounds, const QpSpans& qp) {
+    factor_jerk_cost(bounds.axis, qp.factor, qp.optimum);
+    return qp;
+  }
+
+  Status enforce(const QpRow& row, const Violation& violation) {
+    last_ = violation;
+    ++rows_added_;
+    return solver_.enforce(row);
+  }
+
+  /// Window constraints (eq. 9, 14, 15), the most violated first.
+  Status enforce_gates() {
+    while (true) {
+      Violation worst;
+      for (std::size_t k = 0; k + 1 < bounds_.axis.segment_count(); ++k) {
+        const Real p = solver_.solution()[kBlockSize * k];
+        const Real above = p - bounds_.axis.gate_hi(k);
+        const Real below = bounds_.axis.gate_lo(k) - p;
+        const Real excess = std::max(above, below);
+        if (is_pinned(bounds_.axis, k) || !(excess > std::max(worst.excess, kFeasibility))) continue;
+        const bool is_above = above >= below;
+        worst = {static_cast<std::uint32_t>(k),
+                 0,
+                 1,
+                 is_above ? Real(1) : Real(-1),
+                 is_above ? bounds_.axis.gate_hi(k) : bounds_.axis.gate_lo(k),
+                 excess};
+      }
+      if (worst.excess == 0) return Status::kOk;
+      const Status status = enforce(gate_row(worst.segment, worst.sign, worst.bound), worst);
+      if (status != Status::kOk) return status;
+    }
+  }
+
+  /// The worst violation of each segment that has one, most exceeded first.
+  std::size_t find_violations() {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < bounds_.axis.segment_count(); ++i) {
+      const Violation violation = SegmentSweep(bounds_, i, solver_.solution()).worst();
+      if (violation.excess == 0) continue;
+      std::size_t place = count++;
+      for (; place > 0 && violations_[place - 1].excess < violation.excess; --place) {
+        violations_[place] = violations_[place - 1];
+      }
+      violations_[place] = violation;
+    }
+    return count;
+  }
+
+  Status enforce_violations(std::size_t count) {
+    for (const Violation& violation : violations_.first(count)) {
+      if (remaining_excess(bounds_, violation, solver_.solution()) <= kFeasibility) continue;
+      const Real placed = violation.bound - violation.sign * bounds_.margin(violation.derivative);
+      const QpRow row =
+          extremum_row(bounds_.axis, violation.segment, violation.derivative, violation.tau, violation.sign, placed);
+      if (const Status status = enforce(row, violation); status != Status::kOk) return status;
+    }
+    return Status::kOk;
+  }
+
+  const AxisBounds& bounds_;
+  std::span<Violation> violations_;
+  DualActiveSet solver_;
+  Violation last_;
+  std::uint32_t rows_added_ = 0;
+};
+
+void emit_axis(const AxisBounds& bounds, std::span<const Real> unknowns, std::span<Segment> segments) {
+  for (std::size_t i = 0; i < bounds.axis.segment_count(); ++i) {
+    const Quintic quintic = quintic_from_ends(segment_ends(bounds.axis, i, unknowns));
+    const Real T = bounds.axis.durations[i];
+    std::array<Real, kQuinticTerms>& c = segments[i].coefficients[bounds.axis.axis];
+    Real unit = 1;
+    for (std::size_t j = 0; j < kQuinticTerms; ++j) {
+      c[j] = quintic[j] / unit;
+      unit *= T;
+    }
+    c[0] += bounds.axis.reference;
+    segments[i].duration = T;
+  }
+}
+
+Status solve_axis(const AxisBounds& bounds, const TrajectorySpans& spans, std::span<Segment> segments,
+                  TrajectoryReport& report) {
+  AxisSolve solve(bounds, spans);
+  const Status status = solve.run();
+  report.qp_iterations += solve.solver().iterations();
+  report.constraints_added += solve.rows_added();
+  if (status == Status::kOk) {
+    report.active += static_cast<std::uint32_t>(solve.solver().active_count());
+    emit_axis(bounds, solve.solver().solution(), segments);
+  } else {
+    const Violation& v = solve.last();
+    report.blocking = {v.segment, static_cast<std::uint8_t>(bounds.axis.axis), static_cast<BoundKind>(v.derivative),
+                       v.excess, 0};
+  }
+  return status;
+}
+
+}  // namespace
+
+Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::span<Segment> segments,
+                           TrajectoryReport& report) {
+  if (!is_well_posed(problem, segments)) return Status::kBadRequest;
+  if (problem.boxes.size() > spans.violations.size()) return Status::kCorridorCapacity;
+  report = {};
+  const Margins& margins = problem.margins;
+  const bool has_margins = margins.position > 0 || margins.velocity > 0 || margins.acceleration > 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Status status = solve_axis(axis_bounds(problem, axis, margins), spans, segments, report);
+    if (status != Status::kOk && has_margins) {
+      // Only without margins is every generated row necessary, and so infeasibility proven.
+      status = solve_axis(axis_bounds(problem, axis, Margins{}), spans, segments, report);
+    }
+    if (status != Status::kOk) return status;
+  }
+  return Status::kOk;
+}
+
+Real smallest_stretch(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::span<Segment> segments,
+                      std::span<Real> durations) {
+  TrajectoryProblem stretched = problem;
+  stretched.durations = durations.first(problem.durations.size());
+  const auto succeeds = [&](Real stretch) {
+    for (std::size_t i = 0; i < problem.durations.size(); ++i) durations[i] = stretch * problem.durations[i];
+    TrajectoryReport report;
+    return generate_trajectory(stretched, spans, segments, report) == Status::kOk;
+  };
+  Real fails = 1;
+  Real works = Real(1.25);
+  while (!succeeds(works)) {
+    fails = works;
+    works *= Real(1.25);
+    if (works > kLargestStretch) return 0;
+  }
+  while (works > Real(1.01) * fails) {
+    const Real middle = (works + fails) / 2;
+    (succeeds(middle) ? works : fails) = middle;
+  }
+  return works;
+}
+
+void stop_at_gates(std::span<const Vector3> points, const Vector3& v_max, const Vector3& a_max,
+                   std::span<Segment> segments) {
+  constexpr Real kPeakSpeed = Real(1.875);          // of a rest-to-rest quintic over 1 m in 1 s
+  constexpr Real kPeakAcceleration = Real(5.7736);  // 10 / sqrt(3), rounded up
+  constexpr Real kSlack = 1 + Real(sizeof(Real) == 8 ? 1e-6 : 1e-5);
+  constexpr Real kShortest = Real(1e-3);  // [s]
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const Vector3 leg = points[i + 1] - points[i];
+    Real T = kShortest;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const Real distance = std::fabs(leg[axis]);
+      T = std::max({T, kSlack * kPeakSpeed * distance / v_max[axis],
+                    kSlack * std::sqrt(kPeakAcceleration * distance / a_max[axis])});
+    }
+    segments[i].duration = T;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Real distance = leg[static_cast<Eigen::Index>(axis)];
+      const Real T3 = T * T * T;
+      segments[i].coefficients[axis] = {points[i][static_cast<Eigen::Index>(axis)],
+                                        0,
+                                        0,
+                                        10 * distance / T3,
+                                        -15 * distance / (T3 * T),
+                                        6 * distance / (T3 * T * T)};
+    }
+  }
+}
+
+}  // namespace swiftlet
