@@ -1,0 +1,141 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <initializer_list>
+#include <span>
+
+#include "swiftlet/box_graph_format.hpp"
+#include "swiftlet/box_graph_view.hpp"
+
+namespace swiftlet::test {
+
+/// A map blob of a few hand-written cells without a heap, so that one test source runs on host and target. Adjacency and
+/// components come from comparing every pair; extents are the cells themselves unless set; the origin is zero.
+class TestBlob {
+ public:
+  static constexpr std::size_t kMaxCells = 32;
+  static constexpr std::size_t kMaxBytes = 8192;
+
+  TestBlob(std::array<std::uint32_t, 3> size, std::initializer_list<IntBox> cells, double resolution = 1)
+      : TestBlob(size, std::span(cells.begin(), cells.size()), resolution) {}
+  TestBlob(std::array<std::uint32_t, 3> size, std::span<const IntBox> cells, double resolution = 1) {
+    header_.resolution = resolution;
+    header_.radius = 0.25;
+    header_.size = size;
+    for (const IntBox& cell : cells) {
+      if (header_.cell_count == kMaxCells) break;
+      cells_[header_.cell_count] = cell;
+      extents_[header_.cell_count] = cell;
+      ++header_.cell_count;
+    }
+    write();
+  }
+
+  void set_extent(std::size_t cell, const IntBox& extent) {
+    extents_[cell] = extent;
+    write();
+  }
+  void set_origin(const std::array<double, 3>& origin) {
+    header_.origin = origin;
+    write();
+  }
+
+  [[nodiscard]] std::span<std::byte> bytes() { return std::span(bytes_).first(header_.blob_bytes); }
+  [[nodiscard]] BlobHeader& header() { return *reinterpret_cast<BlobHeader*>(bytes_.data()); }
+  template <typename T>
+  [[nodiscard]] T* section(BlobSection section) {
+    return reinterpret_cast<T*>(bytes_.data() + header_.sections[static_cast<std::size_t>(section)].offset);
+  }
+  /// Makes the checksum right again after a test has changed something.
+  void seal() { header().crc32 = blob_crc32(bytes()); }
+
+  [[nodiscard]] BoxGraphView view() { return *BoxGraphView::open(bytes()); }
+
+ private:
+  static bool shares_window(const IntBox& a, const IntBox& b) {
+    const IntBox common = intersection(a, b);
+    bool thin = false;
+    for (std::size_t axis = 0; axis < 3; ++axis) thin = thin || common.lo[axis] == common.hi[axis];
+    return thin && is_passage(common);
+  }
+
+  template <typename T>
+  void append(BlobSection section, const T* data, std::size_t count) {
+    const std::size_t bytes = count * sizeof(T);
+    header_.sections[static_cast<std::size_t>(section)] = {header_.blob_bytes, static_cast<std::uint32_t>(bytes)};
+    if (bytes > 0) std::memcpy(bytes_.data() + header_.blob_bytes, data, bytes);
+    header_.blob_bytes = static_cast<std::uint32_t>((header_.blob_bytes + bytes + 7) / 8 * 8);
+  }
+
+  void write() {
+    const std::size_t count = header_.cell_count;
+    std::array<std::uint32_t, kMaxCells + 1> offsets{};
+    std::array<std::uint32_t, kMaxCells * kMaxCells> neighbours{};
+    std::array<std::uint16_t, kMaxCells> labels{};
+    std::uint32_t entries = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      offsets[i] = entries;
+      labels[i] = static_cast<std::uint16_t>(i);
+      for (std::size_t j = 0; j < count; ++j) {
+        if (i != j && shares_window(cells_[i], cells_[j])) neighbours[entries++] = static_cast<std::uint32_t>(j);
+      }
+    }
+    offsets[count] = entries;
+    for (std::size_t round = 0; round < count; ++round) {
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::uint32_t k = offsets[i]; k < offsets[i + 1]; ++k) {
+          labels[i] = std::min(labels[i], labels[neighbours[k]]);
+        }
+      }
+    }
+
+    const std::size_t leaves = (count + kCellsPerIndexLeaf - 1) / kCellsPerIndexLeaf;
+    const std::size_t nodes = leaves == 0 ? 0 : 2 * leaves - 1;
+    std::array<IntBox, 2 * kMaxCells> index{};
+    for (std::size_t node = nodes; node-- > 0;) {
+      IntBox bounds{{65'535, 65'535, 65'535}, {0, 0, 0}};
+      const auto include = [&bounds](const IntBox& box) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          bounds.lo[axis] = std::min(bounds.lo[axis], box.lo[axis]);
+          bounds.hi[axis] = std::max(bounds.hi[axis], box.hi[axis]);
+        }
+      };
+      if (node + 1 < leaves) {
+        include(index[2 * node + 1]);
+        include(index[2 * node + 2]);
+      } else {
+        const std::size_t first = (node + 1 - leaves) * kCellsPerIndexLeaf;
+        for (std::size_t i = first; i < std::min(first + kCellsPerIndexLeaf, count); ++i) include(cells_[i]);
+      }
+      index[node] = bounds;
+    }
+
+    bytes_.fill(std::byte{0});
+    header_.magic = kBlobMagic;
+    header_.byte_order = kBlobByteOrderMark;
+    header_.version = kBlobVersion;
+    header_.neighbour_count = entries;
+    header_.index_node_count = static_cast<std::uint32_t>(nodes);
+    header_.component_count = static_cast<std::uint32_t>(count);
+    header_.blob_bytes = sizeof(BlobHeader);
+    append(BlobSection::kCells, cells_.data(), count);
+    append(BlobSection::kExtents, extents_.data(), count);
+    append(BlobSection::kNeighbourOffsets, offsets.data(), count + 1);
+    append(BlobSection::kNeighbours, neighbours.data(), entries);
+    append(BlobSection::kComponents, labels.data(), count);
+    append(BlobSection::kIndex, index.data(), nodes);
+    append(BlobSection::kObstacles, index.data(), 0);
+    std::memcpy(bytes_.data(), &header_, sizeof(BlobHeader));
+    seal();
+  }
+
+  BlobHeader header_{};
+  std::array<IntBox, kMaxCells> cells_{};
+  std::array<IntBox, kMaxCells> extents_{};
+  alignas(8) std::array<std::byte, kMaxBytes> bytes_{};
+};
+
+}  // namespace swiftlet::test
