@@ -56,11 +56,16 @@ struct BlobHeader {
   std::uint32_t index_node_count;  ///< 2 L - 1 with L = ceil(cell_count / kCellsPerIndexLeaf); 0 without cells
   std::uint32_t component_count;
   std::uint32_t reserved;                      ///< zero
+  /// [unit^3] Known free space that the inflation blocks; space that policy `free` would leave free and this one does not;
+  /// space dropped by coarsening. For reports.
+  std::uint64_t lost_to_inflation;
+  std::uint64_t lost_to_unknown;
+  std::uint64_t lost_to_coarsening;
   std::array<std::uint8_t, 32> source_digest;  ///< SHA-256 of the source file
   std::array<BlobSectionEntry, kBlobSectionCount> sections;
 };
 
 static_assert(sizeof(BlobBox) == 12 && alignof(BlobBox) == 2);
-static_assert(sizeof(BlobHeader) == 192 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
+static_assert(sizeof(BlobHeader) == 216 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
 
 }  // namespace swiftlet
