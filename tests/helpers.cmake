@@ -20,7 +20,7 @@ endfunction()
 
 # swiftlet_add_test(NAME COMMAND...): add_test with prefix and timeout.
 function(swiftlet_add_test name)
-  add_test(NAME ${SWIFTLET_TEST_PREFIX}.${name} COMMAND ${ARGN})
+  add_test(NAME ${SWIFTLET_TEST_PREFIX}.${name} COMMAND ${ARGN} COMMAND_EXPAND_LISTS)
   set_tests_properties(${SWIFTLET_TEST_PREFIX}.${name} PROPERTIES TIMEOUT ${SWIFTLET_TEST_SECONDS})
 endfunction()
 
