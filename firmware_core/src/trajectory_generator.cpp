@@ -167,6 +167,7 @@ class AxisSolve {
                 iteration_limit(bounds.axis.segment_count())) {}
 
   Status run() {
+    if (!ends_are_inside()) return Status::kInfeasible;
     for (std::uint32_t sweep = 0; sweep < kSweepLimit; ++sweep) {
       if (const Status status = enforce_gates(); status != Status::kOk) return status;
       const std::size_t count = find_violations();
@@ -184,6 +185,24 @@ class AxisSolve {
   static const QpSpans& factored(const AxisBounds& bounds, const QpSpans& qp) {
     factor_jerk_cost(bounds.axis, qp.factor, qp.optimum);
     return qp;
+  }
+
+  /// Start and goal states are constants: no row can help where one is beyond its bound.
+  bool ends_are_inside() {
+    const auto last = static_cast<std::uint32_t>(bounds_.axis.segment_count() - 1);
+    for (std::uint8_t derivative = 0; derivative <= 2; ++derivative) {
+      for (const bool at_goal : {false, true}) {
+        const std::uint32_t segment = at_goal ? last : 0;
+        const Real value = (at_goal ? bounds_.axis.goal : bounds_.axis.start)[derivative];
+        const Real above = value - bounds_.upper(segment, derivative);
+        const Real below = bounds_.lower(segment, derivative) - value;
+        if (std::max(above, below) <= kFeasibility) continue;
+        last_ = {segment, derivative, at_goal ? Real(1) : Real(0), above > below ? Real(1) : Real(-1), value,
+                 std::max(above, below)};
+        return false;
+      }
+    }
+    return true;
   }
 
   Status enforce(const QpRow& row, const Violation& violation) {

@@ -1,0 +1,176 @@
+#include "swiftlet/dual_active_set.hpp"
+
+#include "harness/random_corridor.hpp"
+#include "swiftlet_test.hpp"
+
+namespace swiftlet {
+namespace {
+
+constexpr bool kIsDouble = sizeof(Real) == 8;
+constexpr std::size_t kBlocks = 4;
+constexpr std::size_t kUnknowns = kBlockSize * kBlocks;
+constexpr std::size_t kRows = 20;
+
+/// A well-conditioned random factor and optimum, with room for `kCapacity` active rows.
+template <std::size_t kCapacity>
+struct Fixture {
+  std::array<FactorBlock, kBlocks> factor{};
+  std::array<Real, kUnknowns> optimum{};
+  std::array<Real, kUnknowns> solution{};
+  std::array<Real, kUnknowns> work{};
+  std::array<QpRow, kCapacity> rows{};
+  std::array<Real, kCapacity> multipliers{};
+  std::array<Real, kCapacity> target{};
+  std::array<Real, kCapacity*(kCapacity + 1) / 2> gram{};
+
+  explicit Fixture(std::uint64_t seed) {
+    test::Random random(seed);
+    for (FactorBlock& block : factor) {
+      for (Real& value : block.diagonal) value = random.uniform(Real(-0.4), Real(0.4));
+      for (const std::size_t i : {0, 3, 5}) block.diagonal[i] = random.uniform(1, 2);
+      for (Real& value : block.coupling) value = random.uniform(Real(-0.4), Real(0.4));
+    }
+    for (Real& value : optimum) value = random.uniform(-1, 1);
+  }
+  QpSpans spans() { return {factor, optimum, solution, work, rows, multipliers, target, gram}; }
+
+  /// P (x - x0) = R' R (x - x0).
+  [[nodiscard]] std::array<Real, kUnknowns> gradient(std::span<const Real> x) const {
+    std::array<Real, kUnknowns> y{};
+    std::array<Real, kUnknowns> g{};
+    const auto visit = [&](const auto& entry) {
+      constexpr std::array<std::array<std::size_t, 2>, 6> kUpper{{{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
+      for (std::size_t k = 0; k < kBlocks; ++k) {
+        for (std::size_t e = 0; e < kUpper.size(); ++e) {
+          entry(3 * k + kUpper[e][0], 3 * k + kUpper[e][1], factor[k].diagonal[e]);
+        }
+        for (std::size_t e = 0; e < 9 && k + 1 < kBlocks; ++e) {
+          entry(3 * k + e / 3, 3 * k + 3 + e % 3, factor[k].coupling[e]);
+        }
+      }
+    };
+    visit([&](std::size_t i, std::size_t j, Real value) { y[i] += value * (x[j] - optimum[j]); });
+    visit([&](std::size_t i, std::size_t j, Real value) { g[j] += value * y[i]; });
+    return g;
+  }
+};
+
+QpRow random_row(test::Random& random) {
+  QpRow row;
+  row.block = static_cast<std::uint32_t>(random.below(kBlocks));
+  const std::size_t entries = row.block + 1 < kBlocks ? 6 : 3;
+  for (std::size_t i = 0; i < entries; ++i) row.coefficients[i] = random.uniform(-1, 1);
+  row.bound = random.uniform(Real(-0.3), 1);
+  return row;
+}
+
+/// Enforces the most violated row until none is.
+Status solve_all(DualActiveSet& solver, std::span<const QpRow> rows) {
+  for (int step = 0; step < 500; ++step) {
+    std::size_t worst = rows.size();
+    Real excess = kIsDouble ? Real(1e-10) : Real(1e-4);
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      const Real violation = row_value(rows[j], solver.solution()) - rows[j].bound;
+      if (violation > excess) {
+        excess = violation;
+        worst = j;
+      }
+    }
+    if (worst == rows.size()) return Status::kOk;
+    if (const Status status = solver.enforce(rows[worst]); status != Status::kOk) return status;
+  }
+  return Status::kIterationLimit;
+}
+
+TEST(DualActiveSet, SolutionsMeetTheKktConditions) {
+  int solved = 0;
+  int constrained = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Fixture<kRows> fixture(seed);
+    test::Random random(seed + 5000);
+    std::array<QpRow, kRows> rows;
+    for (QpRow& row : rows) row = random_row(random);
+    DualActiveSet solver(fixture.spans(), kBlocks, 1000);
+    const Status status = solve_all(solver, rows);
+    if (status == Status::kInfeasible) continue;
+    ASSERT_EQ(status, Status::kOk);
+    ++solved;
+    constrained += solver.active_count() > 0 ? 1 : 0;
+    std::array<Real, kUnknowns> residual = fixture.gradient(solver.solution());
+    for (std::size_t j = 0; j < solver.active_count(); ++j) {
+      const QpRow& row = solver.active_rows()[j];
+      EXPECT_GE(solver.multipliers()[j], Real(0));
+      EXPECT_NEAR(row_value(row, solver.solution()), row.bound, kIsDouble ? 1e-9 : 1e-3);
+      for (std::size_t i = 0; i < row.coefficients.size() && 3 * row.block + i < kUnknowns; ++i) {
+        residual[3 * row.block + i] += solver.multipliers()[j] * row.coefficients[i];
+      }
+    }
+    for (const Real value : residual) EXPECT_NEAR(value, 0, kIsDouble ? 1e-8 : 2e-2);
+  }
+  EXPECT_GT(solved, 150);
+  EXPECT_GT(constrained, 100);
+}
+
+TEST(DualActiveSet, RowsThatContradictEachOtherAreInfeasible) {
+  Fixture<4> fixture(1);
+  DualActiveSet solver(fixture.spans(), kBlocks, 100);
+  QpRow above;
+  above.block = 1;
+  above.coefficients[0] = 1;
+  above.bound = -2;
+  QpRow below = above;
+  below.coefficients[0] = -1;
+  below.bound = 1;  // x >= -1 against x <= -2
+  EXPECT_EQ(solver.enforce(above), Status::kOk);
+  EXPECT_EQ(solver.enforce(below), Status::kInfeasible);
+}
+
+TEST(DualActiveSet, ARowThatNoUnknownCanHelpIsInfeasible) {
+  Fixture<4> fixture(2);
+  DualActiveSet solver(fixture.spans(), kBlocks, 100);
+  QpRow row;
+  row.bound = -1;  // 0 <= -1
+  EXPECT_EQ(solver.enforce(row), Status::kInfeasible);
+}
+
+TEST(DualActiveSet, ATighterParallelRowReplacesTheLooserOne) {
+  Fixture<4> fixture(3);
+  DualActiveSet solver(fixture.spans(), kBlocks, 100);
+  QpRow row;
+  row.coefficients[1] = 1;
+  row.bound = fixture.optimum[1] - 1;
+  EXPECT_EQ(solver.enforce(row), Status::kOk);
+  row.bound -= 1;
+  EXPECT_EQ(solver.enforce(row), Status::kOk);
+  EXPECT_EQ(solver.active_count(), std::size_t{1});
+  EXPECT_NEAR(solver.solution()[1], fixture.optimum[1] - 2, kIsDouble ? 1e-12 : 1e-5);
+}
+
+TEST(DualActiveSet, FullCapacityAndSpentIterationsAreReportedNotOverrun) {
+  Fixture<2> fixture(4);
+  DualActiveSet solver(fixture.spans(), kBlocks, 100);
+  const auto row_on = [&](std::size_t unknown) {
+    QpRow row;
+    row.block = static_cast<std::uint32_t>(unknown / 3);
+    row.coefficients[unknown % 3] = 1;
+    row.bound = fixture.optimum[unknown] - 1;
+    return row;
+  };
+  EXPECT_EQ(solver.enforce(row_on(0)), Status::kOk);
+  EXPECT_EQ(solver.enforce(row_on(11)), Status::kOk);
+  EXPECT_EQ(solver.enforce(row_on(5)), Status::kIterationLimit);
+  Fixture<2> other(5);
+  DualActiveSet spent(other.spans(), kBlocks, 0);
+  EXPECT_EQ(spent.enforce(row_on(0)), Status::kIterationLimit);
+}
+
+TEST(DualActiveSet, NotANumberIsNumericalTrouble) {
+  Fixture<2> fixture(6);
+  DualActiveSet solver(fixture.spans(), kBlocks, 100);
+  QpRow row;
+  row.coefficients[0] = std::numeric_limits<Real>::quiet_NaN();
+  EXPECT_EQ(solver.enforce(row), Status::kNumericalTrouble);
+}
+
+}  // namespace
+}  // namespace swiftlet
