@@ -31,6 +31,7 @@ class Random {
 /// at the ends of the chain's middle line. For tests of trajectory generation alone.
 struct RandomCorridor {
   static constexpr std::size_t kMost = 24;
+  static constexpr Real kShortest = Real(0.2);  // [s]
   std::array<Box, kMost> boxes;
   std::array<Box, kMost> gates;
   std::array<Real, kMost> durations{};
@@ -66,7 +67,7 @@ struct RandomCorridor {
     points[count] = goal.position = (boxes[count - 1].lo + boxes[count - 1].hi) / 2;
     std::array<Segment, kMost> stop;
     stop_at_gates(std::span(points).first(count + 1), Vector3::Constant(v_max), Vector3::Constant(a_max), stop);
-    for (std::size_t i = 0; i < count; ++i) durations[i] = stop[i].duration;
+    for (std::size_t i = 0; i < count; ++i) durations[i] = std::max(stop[i].duration, kShortest);
   }
 
   [[nodiscard]] TrajectoryProblem problem() const {
