@@ -23,6 +23,16 @@ void add_row(const QpRow& row, Real factor, std::span<Real> x) {
   for (std::size_t i = 0; i < entries(row, x.size()); ++i) x[first + i] += factor * row.coefficients[i];
 }
 
+/// x becomes D^-1 D^-T x.
+void apply_inverse_square(const std::array<Real, 6>& d, Real* x) {
+  const Real y0 = d[0] * x[0];
+  const Real y1 = d[1] * x[0] + d[3] * x[1];
+  const Real y2 = d[2] * x[0] + d[4] * x[1] + d[5] * x[2];
+  x[0] = d[0] * y0 + d[1] * y1 + d[2] * y2;
+  x[1] = d[3] * y1 + d[4] * y2;
+  x[2] = d[5] * y2;
+}
+
 }  // namespace
 
 Real row_value(const QpRow& row, std::span<const Real> x) {
@@ -187,26 +197,17 @@ void DualActiveSet::solve_gram_upper(std::span<Real> rhs) const {
 
 /// rhs becomes P^-1 rhs; blocks of rhs before `first_block` are zero on entry.
 void DualActiveSet::solve_hessian(std::span<Real> rhs, std::size_t first_block) const {
-  for (std::size_t k = first_block; k < block_count_; ++k) {
-    const std::array<Real, 6>& d = spans_.factor[k].diagonal;
-    Real* y = &rhs[kBlockSize * k];
-    y[0] /= d[0];
-    y[1] = (y[1] - d[1] * y[0]) / d[3];
-    y[2] = (y[2] - d[2] * y[0] - d[4] * y[1]) / d[5];
-    if (k + 1 == block_count_) break;
+  for (std::size_t k = first_block; k + 1 < block_count_; ++k) {
     const std::array<Real, 9>& e = spans_.factor[k].coupling;
+    Real* y = &rhs[kBlockSize * k];
     for (std::size_t j = 0; j < kBlockSize; ++j) y[3 + j] -= e[j] * y[0] + e[3 + j] * y[1] + e[6 + j] * y[2];
   }
   for (std::size_t k = block_count_; k-- > 0;) {
-    const std::array<Real, 6>& d = spans_.factor[k].diagonal;
     Real* x = &rhs[kBlockSize * k];
-    if (k + 1 < block_count_) {
-      const std::array<Real, 9>& e = spans_.factor[k].coupling;
-      for (std::size_t i = 0; i < kBlockSize; ++i) x[i] -= e[3 * i] * x[3] + e[3 * i + 1] * x[4] + e[3 * i + 2] * x[5];
-    }
-    x[2] /= d[5];
-    x[1] = (x[1] - d[4] * x[2]) / d[3];
-    x[0] = (x[0] - d[1] * x[1] - d[2] * x[2]) / d[0];
+    if (k >= first_block) apply_inverse_square(spans_.factor[k].inverse_diagonal, x);
+    if (k + 1 == block_count_) continue;
+    const std::array<Real, 9>& e = spans_.factor[k].coupling;
+    for (std::size_t i = 0; i < kBlockSize; ++i) x[i] -= e[3 * i] * x[3] + e[3 * i + 1] * x[4] + e[3 * i + 2] * x[5];
   }
 }
 

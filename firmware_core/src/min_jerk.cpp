@@ -117,6 +117,45 @@ void push_segment(const AxisProblem& problem, std::size_t segment, RowStack& sta
   }
 }
 
+/// Inverse of an upper triangle (row-major: 00 01 02 11 12 22).
+std::array<Real, 6> inverse_triangle(const std::array<Real, 6>& d) {
+  const Real i0 = 1 / d[0];
+  const Real i1 = 1 / d[3];
+  const Real i2 = 1 / d[5];
+  const Real i01 = -d[1] * i0 * i1;
+  return {i0, i01, -(d[2] * i0 + d[4] * i01) * i2, i1, -d[4] * i1 * i2, i2};
+}
+
+/// y = (upper triangle) x.
+std::array<Real, 3> multiply(const std::array<Real, 6>& d, const std::array<Real, 3>& x) {
+  return {d[0] * x[0] + d[1] * x[1] + d[2] * x[2], d[3] * x[1] + d[4] * x[2], d[5] * x[2]};
+}
+
+/// Triangularises the stack's left block into row block k of the factor, [D | D E] and D c, and stores D^-1, E and c. A
+/// pinned position takes a row of its own, x = constant, and none of the stack's.
+void eliminate_junction(const AxisProblem& problem, std::size_t k, RowStack& stack, FactorBlock& block, Real* c) {
+  const bool pinned = is_pinned(problem, k);
+  if (pinned) stack.substitute(0, gate_middle(problem, k));
+  RowStack::Row none{1};
+  std::array<const RowStack::Row*, kBlockSize> rows{&none, &none, &none};
+  std::size_t used = 0;
+  for (std::size_t column = pinned ? 1 : 0; column < kBlockSize; ++column) {
+    stack.reflect(used, column);
+    rows[column] = &stack[used++];
+  }
+  none[RowStack::kRhs] = pinned ? gate_middle(problem, k) : Real(0);
+  block.inverse_diagonal =
+      inverse_triangle({(*rows[0])[0], (*rows[0])[1], (*rows[0])[2], (*rows[1])[1], (*rows[1])[2], (*rows[2])[2]});
+  for (std::size_t column = kBlockSize; column <= RowStack::kRhs; ++column) {
+    const std::array<Real, 3> solved =
+        multiply(block.inverse_diagonal, {(*rows[0])[column], (*rows[1])[column], (*rows[2])[column]});
+    for (std::size_t i = 0; i < kBlockSize; ++i) {
+      (column == RowStack::kRhs ? c[i] : block.coupling[kBlockSize * i + column - kBlockSize]) = solved[i];
+    }
+  }
+  stack.advance(used);
+}
+
 }  // namespace
 
 void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum) {
@@ -126,39 +165,14 @@ void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor,
   push_segment(problem, 0, stack);
   for (std::size_t k = 0; k < junctions; ++k) {
     push_segment(problem, k + 1, stack);
-    const bool pinned = is_pinned(problem, k);
-    if (pinned) stack.substitute(0, gate_middle(problem, k));
-    FactorBlock& block = factor[k];
-    block = {};
-    std::size_t row = 0;
-    for (std::size_t column = 0; column < kBlockSize; ++column) {
-      Real* diagonal = &block.diagonal[column == 0 ? 0 : column == 1 ? 3 : 5];
-      if (column == 0 && pinned) {
-        *diagonal = 1;
-        optimum[kBlockSize * k] = gate_middle(problem, k);
-        continue;
-      }
-      stack.reflect(row, column);
-      for (std::size_t j = column; j < kBlockSize; ++j) diagonal[j - column] = stack[row][j];
-      for (std::size_t j = 0; j < kBlockSize; ++j) block.coupling[kBlockSize * column + j] = stack[row][kBlockSize + j];
-      optimum[kBlockSize * k + column] = stack[row][RowStack::kRhs];
-      ++row;
-    }
-    // The right neighbour's constant position belongs to the right-hand side of this block too.
-    stack.advance(row);
+    eliminate_junction(problem, k, stack, factor[k], &optimum[kBlockSize * k]);
   }
-  for (std::size_t k = junctions; k-- > 0;) {
+  for (std::size_t k = junctions - 1; k-- > 0;) {
     Real* x = &optimum[kBlockSize * k];
-    FactorBlock& block = factor[k];
-    if (k + 1 < junctions) {
-      for (std::size_t i = 0; i < kBlockSize; ++i) {
-        for (std::size_t j = 0; j < kBlockSize; ++j) x[i] -= block.coupling[kBlockSize * i + j] * x[kBlockSize + j];
-        if (is_pinned(problem, k + 1)) block.coupling[kBlockSize * i] = 0;
-      }
-    }
-    x[2] /= block.diagonal[5];
-    x[1] = (x[1] - block.diagonal[4] * x[2]) / block.diagonal[3];
-    x[0] = (x[0] - block.diagonal[1] * x[1] - block.diagonal[2] * x[2]) / block.diagonal[0];
+    std::array<Real, 9>& e = factor[k].coupling;
+    for (std::size_t i = 0; i < kBlockSize; ++i) x[i] -= e[3 * i] * x[3] + e[3 * i + 1] * x[4] + e[3 * i + 2] * x[5];
+    // A pinned neighbour is a constant: it has shaped the optimum, but no step moves it.
+    if (is_pinned(problem, k + 1)) e[0] = e[3] = e[6] = 0;
   }
 }
 

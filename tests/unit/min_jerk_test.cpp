@@ -48,17 +48,18 @@ struct Chain {
     return sum;
   }
 
-  /// |R e|^2.
+  /// |D U e|^2.
   [[nodiscard]] Real factored_norm(const std::array<Real, kUnknowns>& e) const {
     Real sum = 0;
     for (std::size_t k = 0; k + 1 < kSegments; ++k) {
-      const std::array<Real, 6>& d = factor[k].diagonal;
-      const Real* x = &e[kBlockSize * k];
-      std::array<Real, 3> y{d[0] * x[0] + d[1] * x[1] + d[2] * x[2], d[3] * x[1] + d[4] * x[2], d[5] * x[2]};
-      for (std::size_t i = 0; i < 3 && k + 2 < kSegments; ++i) {
-        for (std::size_t j = 0; j < 3; ++j) y[i] += factor[k].coupling[3 * i + j] * x[3 + j];
-      }
-      for (const Real value : y) sum += value * value;
+      std::array<Real, 3> y{e[3 * k], e[3 * k + 1], e[3 * k + 2]};
+      for (std::size_t i = 0; i < 9 && k + 2 < kSegments; ++i) y[i / 3] += factor[k].coupling[i] * e[3 * k + 3 + i % 3];
+      // D y by back substitution on its inverse.
+      const std::array<Real, 6>& d = factor[k].inverse_diagonal;
+      const Real z2 = y[2] / d[5];
+      const Real z1 = (y[1] - d[4] * z2) / d[3];
+      const Real z0 = (y[0] - d[1] * z1 - d[2] * z2) / d[0];
+      sum += z0 * z0 + z1 * z1 + z2 * z2;
     }
     return sum;
   }
@@ -102,7 +103,8 @@ TEST(MinJerk, AnyStepFromTheOptimumCostsTheFactoredSquare) {
     }
     const Real expected = chain.factored_norm(e);
     EXPECT_GT(expected, Real(0));
-    EXPECT_NEAR(chain.cost(moved) - chain.cost(chain.optimum), expected, (kIsDouble ? Real(1e-9) : Real(1e-2)) * expected);
+    EXPECT_NEAR(chain.cost(moved) - chain.cost(chain.optimum), expected,
+                (kIsDouble ? Real(1e-9) : Real(1e-2)) * expected);
   }
 }
 

@@ -15,10 +15,11 @@ namespace swiftlet {
 /// caller finds them violated; nothing here knows of flight.
 inline constexpr std::size_t kBlockSize = 3;
 
-/// Row block k of the factor R, P = R' R: upper triangle of the diagonal block (row-major: 00 01 02 11 12 22) and the
-/// block that couples to x_{k+1} (row-major).
+/// Block k of the factor P = U' D' D U: U is unit block bidiagonal, with `coupling` (row-major) the block that multiplies
+/// x_{k+1}; D is block diagonal and upper triangular, kept as its inverse (row-major: 00 01 02 11 12 22). In a substitution
+/// only the couplings wait for each other, one 3 x 3 product a block.
 struct FactorBlock {
-  std::array<Real, 6> diagonal;
+  std::array<Real, 6> inverse_diagonal;
   std::array<Real, 9> coupling;
 };
 
