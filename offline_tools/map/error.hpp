@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+
+#include <tl/expected.hpp>
+
+namespace swiftlet::tools {
+
+/// Why an offline tool stopped: its exit status (contract.md) and one line that says what, where and what to do.
+struct Error {
+  int exit_status;
+  std::string message;
+};
+
+template <typename T>
+using Expected = tl::expected<T, Error>;
+
+inline constexpr int kExitBadFile = 3;
+
+inline tl::unexpected<Error> bad_file(std::string message) { return tl::unexpected(Error{kExitBadFile, std::move(message)}); }
+
+}  // namespace swiftlet::tools

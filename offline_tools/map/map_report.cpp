@@ -1,0 +1,133 @@
+#include "map/map_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace swiftlet::tools {
+namespace {
+
+std::string to_hex(std::span<const std::uint8_t> bytes) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    text += kDigits[byte >> 4];
+    text += kDigits[byte & 15];
+  }
+  return text;
+}
+
+std::string to_hex(std::uint32_t value) {
+  const std::array<std::uint8_t, 4> bytes{static_cast<std::uint8_t>(value >> 24), static_cast<std::uint8_t>(value >> 16),
+                                          static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+  return to_hex(bytes);
+}
+
+std::uint64_t units_in(const IntBox& box) {
+  std::uint64_t product = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) product *= static_cast<std::uint64_t>(box.hi[axis] - box.lo[axis]);
+  return product;
+}
+
+constexpr std::array<const char*, kBlobSectionCount> kSectionNames{
+    "cells", "extents", "neighbour_offsets", "neighbours", "components", "index", "obstacles"};
+
+}  // namespace
+
+const char* describe(UnknownPolicy policy) {
+  switch (policy) {
+    case UnknownPolicy::kAvoid: return "avoid";
+    case UnknownPolicy::kOccupied: return "occupied";
+    case UnknownPolicy::kFree: return "free";
+  }
+  return "?";
+}
+
+MapReport map_info(const BoxGraphView& view) {
+  const BlobHeader& header = view.header();
+  const double unit_volume = view.unit() * view.unit() * view.unit();
+  MapReport report;
+  report.source_sha256 = to_hex(header.source_digest);
+  report.source = "sha256:" + report.source_sha256;
+  report.crc32 = to_hex(header.crc32);
+  report.resolution = header.resolution;
+  report.unit = view.unit();
+  report.radius = header.radius;
+  report.unknown = static_cast<UnknownPolicy>(header.unknown_policy);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    report.bounds[axis] = header.origin[axis];
+    report.bounds[axis + 3] = header.origin[axis] + view.unit() * header.size[axis];
+  }
+  report.cells = view.cell_count();
+  report.windows = header.neighbour_count / 2;
+  report.blob_bytes = header.blob_bytes;
+  for (std::size_t i = 0; i < kBlobSectionCount; ++i) report.section_bytes[i] = header.sections[i].bytes;
+  report.lost_to_inflation = unit_volume * static_cast<double>(header.lost_to_inflation);
+  report.lost_to_unknown = unit_volume * static_cast<double>(header.lost_to_unknown);
+  report.lost_to_coarsening = unit_volume * static_cast<double>(header.lost_to_coarsening);
+  report.worst_loss = std::sqrt(3.0) * view.unit();
+  report.components = header.component_count;
+
+  std::uint64_t free_units = 0;
+  std::vector<std::uint64_t> component_units(header.component_count);
+  for (std::size_t i = 0; i < view.cell_count(); ++i) {
+    const auto cell = static_cast<CellIndex>(i);
+    free_units += units_in(view.cell(cell));
+    component_units[view.component(cell)] += units_in(view.cell(cell));
+    report.degree_max = std::max(report.degree_max, view.neighbours(cell).size());
+  }
+  report.free_volume = unit_volume * static_cast<double>(free_units);
+  if (free_units == 0) return report;
+
+  const auto largest = std::max_element(component_units.begin(), component_units.end());
+  report.largest_component = static_cast<double>(*largest) / static_cast<double>(free_units);
+  std::uint64_t largest_cell = 0;
+  for (std::size_t i = 0; i < view.cell_count(); ++i) {
+    const auto cell = static_cast<CellIndex>(i);
+    if (view.component(cell) != largest - component_units.begin() || units_in(view.cell(cell)) <= largest_cell) continue;
+    largest_cell = units_in(view.cell(cell));
+    const Box box = view.to_world(view.cell(cell));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto row = static_cast<Eigen::Index>(axis);
+      report.largest_component_point[axis] = (box.lo[row] + box.hi[row]) / 2;
+    }
+  }
+  return report;
+}
+
+nlohmann::ordered_json map_report_json(const MapReport& report) {
+  nlohmann::ordered_json sections;
+  std::size_t section_sum = 0;
+  for (std::size_t i = 0; i < kBlobSectionCount; ++i) {
+    sections[kSectionNames[i]] = report.section_bytes[i];
+    section_sum += report.section_bytes[i];
+  }
+  sections["header_and_padding"] = report.blob_bytes - section_sum;
+  const double degree_mean =
+      report.cells == 0 ? 0 : 2 * static_cast<double>(report.windows) / static_cast<double>(report.cells);
+  return {{"format", "swiftlet-map/1"},
+          {"source", report.source},
+          {"crc32", report.crc32},
+          {"resolution_m", report.resolution},
+          {"radius_m", report.radius},
+          {"unknown", describe(report.unknown)},
+          {"bounds", report.bounds},
+          {"cells", report.cells},
+          {"windows", report.windows},
+          {"blob_bytes", report.blob_bytes},
+          {"free_m3", report.free_volume},
+          {"components", report.components},
+          {"largest_component", report.largest_component},
+          {"largest_component_point", report.largest_component_point},
+          {"unit_m", report.unit},
+          {"worst_loss_m", report.worst_loss},
+          {"lost_to_inflation_m3", report.lost_to_inflation},
+          {"lost_to_unknown_m3", report.lost_to_unknown},
+          {"lost_to_coarsening_m3", report.lost_to_coarsening},
+          {"degree", {{"mean", degree_mean}, {"max", report.degree_max}}},
+          {"section_bytes", sections},
+          {"source_sha256", report.source_sha256}};
+}
+
+}  // namespace swiftlet::tools
