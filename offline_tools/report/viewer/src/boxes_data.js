@@ -1,0 +1,28 @@
+/// Boxes as the page carries them: base64 of 16-bit little-endian x0,y0,z0,x1,y1,z1 in units from an origin.
+export function decode_boxes({ origin, unit, boxes }) {
+  const text = atob(boxes);
+  const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
+  const view = new DataView(bytes.buffer);
+  const data = Uint16Array.from({ length: bytes.length / 2 }, (_, i) => view.getUint16(2 * i, true));
+  return { data, origin, unit };
+}
+
+/// The box [x0,y0,z0,x1,y1,z1] around boxes of the same form [m]; null around nothing.
+export function hull(boxes) {
+  if (boxes.length === 0) return null;
+  return [0, 1, 2, 3, 4, 5].map((i) => (i < 3 ? Math.min : Math.max)(...boxes.map((box) => box[i])));
+}
+
+/// The box around decoded boxes [m]; null around nothing.
+export function data_hull({ data, origin, unit }) {
+  if (data.length === 0) return null;
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < data.length; i += 6) {
+    for (let axis = 0; axis < 3; ++axis) {
+      if (data[i + axis] < low[axis]) low[axis] = data[i + axis];
+      if (data[i + 3 + axis] > high[axis]) high[axis] = data[i + 3 + axis];
+    }
+  }
+  return [...low, ...high].map((value, i) => origin[i % 3] + unit * value);
+}
