@@ -7,7 +7,7 @@
 
 cmake_path(GET PROJECT_BINARY_DIR FILENAME SWIFTLET_TEST_PREFIX)
 set(SWIFTLET_PROPERTY_RUNS 100 CACHE STRING "Random cases of a property test: 2000 in host-release")
-set(SWIFTLET_TEST_SECONDS 300)
+set(SWIFTLET_TEST_SECONDS 300 CACHE STRING "Time limit of each test [s]")
 
 function(swiftlet_test_definitions target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests/harness ${PROJECT_SOURCE_DIR}/tests)
