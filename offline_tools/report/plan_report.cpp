@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "report/merge_boxes.hpp"
 #include "report/page_template.hpp"
 #include "swiftlet/version.hpp"
 
@@ -80,22 +79,19 @@ std::uint64_t volume(const IntBox& box) {
   return product;
 }
 
-void keep_largest(std::vector<IntBox>& boxes, std::size_t most) {
-  if (boxes.size() <= most) return;
-  std::stable_sort(boxes.begin(), boxes.end(), [](const IntBox& a, const IntBox& b) { return volume(a) > volume(b); });
-  boxes.resize(most);
+std::vector<IntBox> largest_boxes(std::span<const IntBox> boxes, std::size_t most) {
+  std::vector<IntBox> kept(boxes.begin(), boxes.end());
+  if (kept.size() <= most) return kept;
+  std::stable_sort(kept.begin(), kept.end(), [](const IntBox& a, const IntBox& b) { return volume(a) > volume(b); });
+  kept.resize(most);
+  return kept;
 }
 
-Json obstacles_json(const VoxelBoxes& obstacles) {
+Json obstacles_json(const GridBoxes& obstacles) {
   if (obstacles.boxes.empty()) return nullptr;
-  std::vector<IntBox> merged = merge_boxes(obstacles.boxes);
-  const std::size_t count = merged.size();
-  keep_largest(merged, kMostBoxes);
-  return {{"count", count},
-          {"shown", merged.size()},
-          {"origin", obstacles.origin},
-          {"unit", obstacles.resolution},
-          {"boxes", encode_boxes(merged)}};
+  const std::vector<IntBox> shown = largest_boxes(obstacles.boxes, kMostBoxes);
+  return {{"count", obstacles.boxes.size()}, {"shown", shown.size()},         {"origin", obstacles.origin},
+          {"unit", obstacles.unit},          {"voxel", obstacles.resolution}, {"boxes", encode_boxes(shown)}};
 }
 
 std::string page(const std::string& title, const Json& report) {

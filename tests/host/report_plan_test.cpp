@@ -16,9 +16,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using swiftlet::IntBox;
+using swiftlet::tools::GridBoxes;
 using swiftlet::tools::plan_report_html;
 using swiftlet::tools::PlanReportInput;
-using swiftlet::tools::VoxelBoxes;
 
 Json small_plan() {
   std::ifstream file(SWIFTLET_SOURCE_DIR "/tests/data/plan_small.json");
@@ -27,7 +27,7 @@ Json small_plan() {
 
 const std::vector<IntBox> kWalls{{{0, 0, 0}, {8, 8, 1}}, {{0, 0, 1}, {1, 8, 8}}, {{256, 300, 1}, {257, 301, 8}}};
 
-VoxelBoxes walls() { return {{-1, -1, 0}, 0.25, kWalls}; }
+GridBoxes walls() { return {{-1, -1, 0}, 0.125, 0.25, kWalls}; }
 
 /// The text between the first `from` and the next `to` after it.
 std::string between(const std::string& text, const std::string& from, const std::string& to) {
@@ -58,10 +58,11 @@ TEST(PlanReport, CarriesThePlanUnchanged) {
 TEST(PlanReport, CarriesObstaclesAsLittleEndianBase64) {
   const std::vector<IntBox> one{{{1, 2, 3}, {258, 5, 65535}}};
   const Json plan = small_plan();
-  const Json data = data_of(plan_report_html({plan, {{-1, -2, 0.5}, 0.25, one}, ""}));
+  const Json data = data_of(plan_report_html({plan, {{-1, -2, 0.5}, 0.25, 0.5, one}, ""}));
   EXPECT_EQ(data["obstacles"]["boxes"], "AQACAAMAAgEFAP//");  // 01 00 02 00 03 00 02 01 05 00 ff ff
   EXPECT_EQ(data["obstacles"]["origin"], Json({-1, -2, 0.5}));
   EXPECT_EQ(data["obstacles"]["unit"], 0.25);
+  EXPECT_EQ(data["obstacles"]["voxel"], 0.5);
   EXPECT_EQ(data["obstacles"]["count"], 1);
 }
 
@@ -109,7 +110,7 @@ TEST(PlanReport, StaysBelowTenMegabytesWithMoreBoxesThanItShows) {
     }
   }
   scattered.push_back({{500, 500, 500}, {510, 510, 510}});
-  const std::string html = plan_report_html({small_plan(), {{0, 0, 0}, 0.05, scattered}, "t"});
+  const std::string html = plan_report_html({small_plan(), {{0, 0, 0}, 0.05, 0.05, scattered}, "t"});
   EXPECT_LT(html.size(), 10'000'000U);
   const Json data = data_of(html);
   EXPECT_EQ(data["obstacles"]["count"], scattered.size());

@@ -4,12 +4,12 @@ const kMostTexels = 6e6;
 const kMostTexelsAxis = 256;  // every WebGL 2 has this much
 
 /// Share filled, 0 to 255, of the cells of a grid around all boxes (x0,y0,z0,x1,y1,z1 in units, disjoint). A cell is
-/// as few units wide as a texture's limits allow.
-export function density_grid(data) {
+/// as few voxels wide as a texture's limits allow; `voxel` is in units.
+export function density_grid(data, voxel) {
   const { low, high } = bounds_of(data);
   const counts_for = (width) => low.map((value, axis) => Math.floor((high[axis] - value) / width) + 1);
-  let cell = 1;
-  while (!fits(counts_for(cell))) ++cell;
+  let cell = voxel;
+  while (!fits(counts_for(cell))) cell += voxel;
   const counts = counts_for(cell);
   const values = new Uint8Array(counts[0] * counts[1] * counts[2]);
   const scale = 255 / cell ** 3;

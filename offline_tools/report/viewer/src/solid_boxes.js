@@ -37,7 +37,7 @@ uniform sampler3D density;
 uniform vec3 density_low;
 uniform vec3 density_size;
 uniform float density_cell;
-uniform float unit;
+uniform float voxel;
 uniform vec2 slice;
 uniform vec3 low_colour;
 uniform vec3 high_colour;
@@ -63,7 +63,7 @@ float occlusion() {
 }
 
 float voxel_edge() {
-  vec3 p = at / unit;
+  vec3 p = at / voxel;
   vec3 width = fwidth(p);
   vec3 away = abs(fract(p - 0.5) - 0.5) / max(width, vec3(1e-6));
   away += abs(facing) * 1e3;
@@ -81,12 +81,14 @@ void main() {
   colour = vec4(mix(lit, cut_colour, cut), 1.0);
 }`;
 
-/// `boxes` is { data: Uint16Array of x0,y0,z0,x1,y1,z1 each in voxels, origin [m], unit: edge of a voxel [m] }.
+/// `boxes` is { data: Uint16Array of x0,y0,z0,x1,y1,z1 each, origin [m], unit [m],
+/// voxel: edge of one [m] }.
 export function solid_boxes(boxes) {
   const texture = density_texture(boxes);
   const heights = height_range(boxes);
   const uniforms = {
     unit: { value: boxes.unit },
+    voxel: { value: boxes.voxel },
     slice: { value: new Vector2(-1e9, 1e9) },
     heights: { value: new Vector2(...heights) },
     density: { value: texture.map },
@@ -139,7 +141,7 @@ function box_instances(data) {
 }
 
 function density_texture(boxes) {
-  const { values, low, counts, cell } = density_grid(boxes.data);
+  const { values, low, counts, cell } = density_grid(boxes.data, Math.max(1, Math.round(boxes.voxel / boxes.unit)));
   const map = new Data3DTexture(values, ...counts);
   map.format = RedFormat;
   map.unpackAlignment = 1;

@@ -56,10 +56,10 @@ test('boxes come back from base64 and in metres', () => {
 });
 
 test('density keeps the volume when it fits and the proportions when it must coarsen', () => {
-  const fine = density_grid(Uint16Array.of(3, 3, 3, 5, 6, 7));
+  const fine = density_grid(Uint16Array.of(3, 3, 3, 5, 6, 7), 1);
   assert.equal(fine.cell, 1);
   assert.equal(fine.values.reduce((sum, value) => sum + value, 0), 2 * 3 * 4 * 255);
-  const coarse = density_grid(Uint16Array.of(0, 0, 0, 1000, 1, 1));
+  const coarse = density_grid(Uint16Array.of(0, 0, 0, 1000, 1, 1), 2);
   assert.ok(coarse.counts[0] <= 256 && coarse.cell === 4);
   assert.equal(coarse.values[0], 16);  // a row of 4 in a cell of 64, in 255ths
 });
