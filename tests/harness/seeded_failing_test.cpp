@@ -1,9 +1,9 @@
 #include "swiftlet_test.hpp"
 
-TEST(Seeded, fails) {
+TEST(Seeded, Fails) {
   EXPECT_EQ(1, 2);
   ASSERT_TRUE(false);
   EXPECT_EQ(3, 4);  // not reached
 }
 
-TEST(Seeded, passes) { EXPECT_EQ(-7, -7); }
+TEST(Seeded, Passes) { EXPECT_EQ(-7, -7); }

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <limits>
 
 #include "no_heap/heap_guard.hpp"
+#include "swiftlet/storage.hpp"
 #include "unit/test_blob.hpp"
 
 namespace {
@@ -11,9 +13,10 @@ using swiftlet::BoxGraphView;
 using swiftlet::test::HeapGuard;
 using swiftlet::test::TestBlob;
 
+swiftlet::PlannerStorage<swiftlet::Capacity{.segments = 16, .search_nodes = 64}> storage;
 void* volatile sink = nullptr;  // an allocation that nobody sees may be removed
 
-TEST(HeapGuardDeathTest, malloc_aborts_under_a_guard) {
+TEST(HeapGuardDeathTest, MallocAbortsUnderAGuard) {
   EXPECT_DEATH(
       {
         const HeapGuard guard;
@@ -22,7 +25,7 @@ TEST(HeapGuardDeathTest, malloc_aborts_under_a_guard) {
       "heap was used");
 }
 
-TEST(HeapGuardDeathTest, new_aborts_under_a_guard) {
+TEST(HeapGuardDeathTest, NewAbortsUnderAGuard) {
   EXPECT_DEATH(
       {
         const HeapGuard guard;
@@ -31,7 +34,7 @@ TEST(HeapGuardDeathTest, new_aborts_under_a_guard) {
       "heap was used");
 }
 
-TEST(HeapGuardDeathTest, free_aborts_under_a_guard) {
+TEST(HeapGuardDeathTest, FreeAbortsUnderAGuard) {
   sink = std::malloc(8);
   EXPECT_DEATH(
       {
@@ -42,14 +45,14 @@ TEST(HeapGuardDeathTest, free_aborts_under_a_guard) {
   std::free(sink);
 }
 
-TEST(HeapGuard, allocation_is_allowed_again_after_the_guard) {
+TEST(HeapGuard, AllocationIsAllowedAgainAfterTheGuard) {
   { const HeapGuard guard; }
   sink = std::malloc(8);
   EXPECT_NE(sink, nullptr);
   std::free(sink);
 }
 
-TEST(NoHeap, a_blob_is_opened_and_searched_without_the_heap) {
+TEST(NoHeap, OpensAndSearchesABlobUnderAGuard) {
   TestBlob blob({20, 10, 10}, {{{0, 0, 0}, {10, 10, 10}}, {{10, 2, 2}, {20, 8, 8}}});
   const std::span<const std::byte> bytes = blob.bytes();
   bool found = false;
@@ -59,6 +62,44 @@ TEST(NoHeap, a_blob_is_opened_and_searched_without_the_heap) {
     found = view.ok() && view->locate({15, 5, 5}).has_value() && view->nearest_free({15, 9, 9}).has_value();
   }
   EXPECT_TRUE(found);
+}
+
+TEST(NoHeap, PlansUnderAGuard) {
+  TestBlob blob({20, 10, 10}, {{{0, 0, 0}, {10, 10, 10}}, {{10, 2, 2}, {20, 8, 8}}});
+  const BoxGraphView view = blob.view();
+  swiftlet::Planner planner(storage.spans());
+  swiftlet::PlanRequest request;
+  request.start.position = {1, 9, 1};
+  request.goal.position = {18, 3, 7};
+  request.v_max = 1;
+  request.a_max = 2;
+  swiftlet::Status status = swiftlet::Status::kBadRequest;
+  std::size_t sampled = 0;
+  {
+    const HeapGuard guard;
+    const swiftlet::Plan& plan = planner.plan(view, request);
+    status = plan.status;
+    const swiftlet::Real duration = swiftlet::total_duration(plan.segments);
+    for (swiftlet::Real t = 0; t < duration; t += swiftlet::Real(0.1)) {
+      sampled += swiftlet::sample_trajectory(plan.segments, t).position.allFinite() ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(status, swiftlet::Status::kOk);
+  EXPECT_GT(sampled, 10);
+}
+
+TEST(NoHeap, RefusesABadRequestUnderAGuard) {
+  TestBlob blob({10, 10, 10}, {{{0, 0, 0}, {10, 10, 10}}});
+  const BoxGraphView view = blob.view();
+  swiftlet::Planner planner(storage.spans());
+  swiftlet::PlanRequest request;
+  request.v_max = std::numeric_limits<swiftlet::Real>::quiet_NaN();
+  swiftlet::Status status = swiftlet::Status::kOk;
+  {
+    const HeapGuard guard;
+    status = planner.plan(view, request).status;
+  }
+  EXPECT_EQ(status, swiftlet::Status::kBadRequest);
 }
 
 }  // namespace
