@@ -58,6 +58,20 @@ Status DualActiveSet::enforce(const QpRow& row) {
   return status;
 }
 
+Status DualActiveSet::start_from(std::span<const QpRow> rows) {
+  for (const QpRow& row : rows) {
+    if (active_count_ == spans_.rows.size()) break;
+    const Result<bool> independent = row_is_independent(row);
+    if (!independent.ok()) return independent.status();
+    if (!*independent) continue;
+    spans_.rows[active_count_] = row;
+    spans_.multipliers[active_count_++] = 0;
+  }
+  const Status status = settle();
+  if (status == Status::kOk) update_solution();
+  return status;
+}
+
 /// Makes `row` active. While it depends on the active rows, weight moves from them to it until one of them lets go;
 /// when none can, the rows contradict each other.
 Status DualActiveSet::append(const QpRow& row) {
@@ -131,7 +145,8 @@ Status DualActiveSet::settle() {
       if (!std::isfinite(target[j])) return Status::kNumericalTrouble;
       if (target[j] >= 0) continue;
       const Real limit = spans_.multipliers[j] / (spans_.multipliers[j] - target[j]);
-      if (blocking == active_count_ || limit < step) {
+      // Among rows that block at once, the one that pulls hardest.
+      if (blocking == active_count_ || limit < step || (limit == step && target[j] < target[blocking])) {
         step = limit;
         blocking = j;
       }

@@ -16,10 +16,10 @@ constexpr Real kNormShare = Real(0.57735);
 // gives no time at all, and the cost grows with T^-5.
 constexpr Real kShortestShare = Real(0.05);
 constexpr Real kShortestDuration = Real(1e-3);  // [s]
-// The stretch of the first allocation is searched on a geometric grid, then to kStretchPrecision.
 constexpr Real kStretchStep = Real(1.25);
-constexpr Real kStretchPrecision = Real(1.01);
 constexpr int kStretchSteps = 20;
+// Jerk cost that a second is worth, in units of a^4 / v^2: more flies faster, less smoother.
+constexpr Real kTimeWeight = 10;
 
 bool is_finite(const State& state) {
   return (state.position.array().abs() < kInfinity).all() && (state.velocity.array().abs() < kInfinity).all() &&
@@ -117,7 +117,7 @@ Status Planner::search_corridor(const BoxGraphView& graph, const PlanRequest& re
   plan_.boxes = spans_.boxes.first(count);
   plan_.gates = spans_.gates.first(count - 1);
   pull_taut(plan_.start.position, plan_.goal.position, plan_.gates, spans_.points.first(count + 1),
-            spans_.point_scratch.first(count + 1));
+            spans_.taut_nodes.first(count + 1));
   return Status::kOk;
 }
 
@@ -133,7 +133,7 @@ Status Planner::fit_trajectory(const PlanRequest& request) {
   stop_at_gates(points, plan_.qp_v_max, plan_.qp_a_max, segments);
   for (std::size_t i = 0; i < count; ++i) spans_.stop_durations[i] = segments[i].duration;
 
-  plan_.status = optimise();
+  plan_.status = optimise(request);
   if (plan_.status == Status::kOk && certify_plan(request, segments)) return plan_.status;
   if (!is_at_rest(plan_.start) || !is_at_rest(plan_.goal)) return plan_.status = Status::kInfeasible;
   plan_.trajectory.fallback_reason = reason_for_fallback(plan_.status);
@@ -156,47 +156,56 @@ Status Planner::allocate_profile() {
   return Status::kOk;
 }
 
-/// The QP at durations of `stretch` times the profile, each at most its stopping time where the plan is from rest to
-/// rest.
-Status Planner::solve_stretched(Real stretch) {
-  const std::size_t count = plan_.boxes.size();
-  const bool from_rest = is_at_rest(plan_.start) && is_at_rest(plan_.goal);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Real longest = from_rest ? std::max(spans_.stop_durations[i], spans_.profile[i]) : kInfinity;
-    spans_.durations[i] = std::min(stretch * spans_.profile[i], longest);
-  }
-  const TrajectoryProblem problem{plan_.boxes,    plan_.gates, spans_.durations.first(count),
-                                  plan_.start,    plan_.goal,  plan_.qp_v_max,
-                                  plan_.qp_a_max, Margins{}};
-  const std::uint32_t spent = plan_.trajectory.qp_iterations;
-  const Status status = generate_trajectory(problem, spans_.trajectory, spans_.segments.first(count), plan_.trajectory);
-  plan_.trajectory.qp_iterations += spent;
-  plan_.trajectory.time_scale = stretch;
-  return status;
+TrajectoryProblem Planner::problem() const {
+  return {plan_.boxes,    plan_.gates, spans_.durations.first(plan_.boxes.size()),
+          plan_.start,    plan_.goal,  plan_.qp_v_max,
+          plan_.qp_a_max, Margins{}};
 }
 
-/// Searches the smallest stretch of the profile that the QP can follow, up or down from 1, and leaves its answer in the
-/// segments. At full stretch every segment has its stopping time, which from rest to rest is always feasible.
-Status Planner::optimise() {
-  if (const Status status = allocate_profile(); status != Status::kOk) return status;
-  Real fails = 0;
-  Real works = 0;
-  Real stretch = 1;
+/// Stretches the profile until the QP can follow it, each segment at most to its stopping time where the plan is from
+/// rest to rest: at full stretch every segment has that time, which is always feasible.
+Status Planner::stretch_until_feasible() {
+  const std::size_t count = plan_.boxes.size();
+  const bool from_rest = is_at_rest(plan_.start) && is_at_rest(plan_.goal);
   Status first = Status::kOk;
   Blocking blocking;
-  for (int step = 0; step < kStretchSteps; ++step) {
-    const Status status = solve_stretched(stretch);
-    (status == Status::kOk ? works : fails) = stretch;
-    if (step == 0) {
-      first = status;
-      blocking = plan_.trajectory.blocking;
+  Real stretch = 1;
+  for (int step = 0; step < kStretchSteps; ++step, stretch *= kStretchStep) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Real longest = from_rest ? std::max(spans_.stop_durations[i], spans_.profile[i]) : kInfinity;
+      spans_.durations[i] = std::min(stretch * spans_.profile[i], longest);
     }
-    if (works > 0 && works <= kStretchPrecision * fails) break;
-    stretch = works == 0 ? stretch * kStretchStep : fails == 0 ? works / kStretchStep : std::sqrt(works * fails);
+    const std::uint32_t spent = plan_.trajectory.qp_iterations;
+    const Status status =
+        generate_trajectory(problem(), spans_.trajectory, spans_.segments.first(count), plan_.trajectory);
+    plan_.trajectory.qp_iterations += spent;
+    if (status == Status::kOk) return status;
+    if (step > 0) continue;
+    first = status;
+    blocking = plan_.trajectory.blocking;
   }
-  if (works > 0) return solve_stretched(works);
   plan_.trajectory.blocking = blocking;
   return first;
+}
+
+/// Times and QP: profile, stretch, refinement.
+Status Planner::optimise(const PlanRequest& request) {
+  const std::size_t count = plan_.boxes.size();
+  Status status = allocate_profile();
+  if (status == Status::kOk) status = stretch_until_feasible();
+  if (status != Status::kOk) return status;
+  const Real a2 = plan_.qp_a_max[0] * plan_.qp_a_max[0];
+  const Real v2 = plan_.qp_v_max[0] * plan_.qp_v_max[0];
+  status = refine_durations(problem(), {kTimeWeight * a2 * a2 / v2, request.refinement_solves}, spans_.trajectory,
+                            spans_.refinement, spans_.durations.first(count), spans_.segments.first(count),
+                            plan_.trajectory);
+  const auto total = [&](std::span<const Real> durations) {
+    Real sum = 0;
+    for (const Real duration : durations.first(count)) sum += duration;
+    return sum;
+  };
+  plan_.trajectory.time_scale = total(spans_.durations) / total(spans_.profile);
+  return status;
 }
 
 /// Certifies `segments` against the request and, when they pass, makes them the plan's.

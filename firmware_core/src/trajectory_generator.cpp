@@ -15,6 +15,23 @@ constexpr Real kGateTolerance = Real(1e-6);
 /// Rows added and dropped on one axis; the reference cases need at most 3 M + 20.
 std::uint32_t iteration_limit(std::size_t segments) { return static_cast<std::uint32_t>(10 * segments + 100); }
 
+/// Where a row comes from; labels carry it through the solver.
+struct RowPlace {
+  std::size_t place;   // segment, or junction of a gate
+  std::uint32_t what;  // derivative, or kGate
+  Real sign;
+  Real tau;
+};
+constexpr std::uint32_t kGate = 3;
+
+QpLabel to_label(const RowPlace& at) {
+  return {static_cast<std::uint32_t>(at.place) << 3U | at.what << 1U | (at.sign > 0 ? 1U : 0U), at.tau};
+}
+
+RowPlace to_place(const QpLabel& label) {
+  return {label.kind >> 3U, label.kind >> 1U & 3U, (label.kind & 1U) != 0 ? Real(1) : Real(-1), label.where};
+}
+
 /// One axis of a problem with its bounds, relative to the low corner of the first box.
 struct AxisBounds {
   const TrajectoryProblem* problem;
@@ -34,6 +51,20 @@ struct AxisBounds {
     return derivative == 0 ? margins.position : derivative == 1 ? margins.velocity : margins.acceleration;
   }
 };
+
+/// The row of a bound at a point, its margin inside (eq. 9, 10, 14, 15).
+QpRow bound_row(const AxisBounds& bounds, const RowPlace& at) {
+  QpRow row;
+  if (at.what == kGate) {
+    row = gate_row(at.place, at.sign, at.sign > 0 ? bounds.axis.gate_hi(at.place) : bounds.axis.gate_lo(at.place));
+  } else {
+    const int derivative = static_cast<int>(at.what);
+    const Real bound = at.sign > 0 ? bounds.upper(at.place, derivative) : bounds.lower(at.place, derivative);
+    row = extremum_row(bounds.axis, at.place, derivative, at.tau, at.sign, bound - at.sign * bounds.margin(derivative));
+  }
+  row.label = to_label(at);
+  return row;
+}
 
 AxisBounds axis_bounds(const TrajectoryProblem& problem, std::size_t axis, const Margins& margins) {
   const auto row = static_cast<Eigen::Index>(axis);
@@ -163,11 +194,14 @@ class AxisSolve {
   AxisSolve(const AxisBounds& bounds, const TrajectorySpans& spans)
       : bounds_(bounds),
         violations_(spans.violations),
+        rows_(spans.qp.rows),
         solver_(factored(bounds, spans.qp), bounds.axis.segment_count() - 1,
                 iteration_limit(bounds.axis.segment_count())) {}
 
-  Status run() {
+  /// `labels`: rows to start from.
+  Status run(std::span<const QpLabel> labels) {
     if (!ends_are_inside()) return Status::kInfeasible;
+    if (const Status status = start_from(labels); status != Status::kOk) return status;
     for (std::uint32_t sweep = 0; sweep < kSweepLimit; ++sweep) {
       if (const Status status = enforce_gates(); status != Status::kOk) return status;
       const std::size_t count = find_violations();
@@ -187,6 +221,15 @@ class AxisSolve {
     return qp;
   }
 
+  /// Rows of an earlier solve, rebuilt for this one's durations. They are collected where the solver keeps its active
+  /// rows, which takes row j before it writes at or before j.
+  Status start_from(std::span<const QpLabel> labels) {
+    if (labels.empty()) return Status::kOk;
+    const std::span<QpRow> rows = rows_.first(std::min(labels.size(), rows_.size()));
+    for (std::size_t j = 0; j < rows.size(); ++j) rows[j] = bound_row(bounds_, to_place(labels[j]));
+    return solver_.start_from(rows);
+  }
+
   /// Start and goal states are constants: no row can help where one is beyond its bound.
   bool ends_are_inside() {
     const auto last = static_cast<std::uint32_t>(bounds_.axis.segment_count() - 1);
@@ -197,7 +240,11 @@ class AxisSolve {
         const Real above = value - bounds_.upper(segment, derivative);
         const Real below = bounds_.lower(segment, derivative) - value;
         if (std::max(above, below) <= kFeasibility) continue;
-        last_ = {segment, derivative, at_goal ? Real(1) : Real(0), above > below ? Real(1) : Real(-1), value,
+        last_ = {segment,
+                 derivative,
+                 at_goal ? Real(1) : Real(0),
+                 above > below ? Real(1) : Real(-1),
+                 value,
                  std::max(above, below)};
         return false;
       }
@@ -230,7 +277,7 @@ class AxisSolve {
                  excess};
       }
       if (worst.excess == 0) return Status::kOk;
-      const Status status = enforce(gate_row(worst.segment, worst.sign, worst.bound), worst);
+      const Status status = enforce(bound_row(bounds_, {worst.segment, kGate, worst.sign, 0}), worst);
       if (status != Status::kOk) return status;
     }
   }
@@ -253,9 +300,7 @@ class AxisSolve {
   Status enforce_violations(std::size_t count) {
     for (const Violation& violation : violations_.first(count)) {
       if (remaining_excess(bounds_, violation, solver_.solution()) <= kFeasibility) continue;
-      const Real placed = violation.bound - violation.sign * bounds_.margin(violation.derivative);
-      const QpRow row =
-          extremum_row(bounds_.axis, violation.segment, violation.derivative, violation.tau, violation.sign, placed);
+      const QpRow row = bound_row(bounds_, {violation.segment, violation.derivative, violation.sign, violation.tau});
       if (const Status status = enforce(row, violation); status != Status::kOk) return status;
     }
     return Status::kOk;
@@ -263,6 +308,7 @@ class AxisSolve {
 
   const AxisBounds& bounds_;
   std::span<Violation> violations_;
+  std::span<QpRow> rows_;
   DualActiveSet solver_;
   Violation last_;
   std::uint32_t rows_added_ = 0;
@@ -283,37 +329,71 @@ void emit_axis(const AxisBounds& bounds, std::span<const Real> unknowns, std::sp
   }
 }
 
+/// Adds the derivative of the optimal cost by each duration: that of a minimum-jerk arc between fixed states, which is
+/// minus its conserved quantity jerk^2 - 2 acceleration snap + 2 velocity crackle, and that of each active row times
+/// its multiplier.
+void add_gradient(const AxisBounds& bounds, const DualActiveSet& solver, std::span<Real> gradient) {
+  const std::span<const Real> unknowns = solver.solution();
+  for (std::size_t i = 0; i < bounds.axis.segment_count(); ++i) {
+    const Real T = bounds.axis.durations[i];
+    const Quintic c = quintic_from_ends(segment_ends(bounds.axis, i, unknowns));
+    gradient[i] -= (36 * c[3] * c[3] - 96 * c[2] * c[4] + 240 * c[1] * c[5]) / (T * T * T * T * T * T);
+  }
+  for (std::size_t j = 0; j < solver.active_count(); ++j) {
+    const RowPlace at = to_place(solver.active_rows()[j].label);
+    if (at.what == kGate) continue;
+    const Real T = bounds.axis.durations[at.place];
+    const QuinticEnds ends = segment_ends(bounds.axis, at.place, unknowns);
+    const QuinticEnds basis = quintic_basis(static_cast<int>(at.what), at.tau);
+    Real slope = 0;
+    for (std::size_t k = 0; k < ends.size(); ++k) {
+      slope += (static_cast<Real>(k % kBlockSize) - static_cast<Real>(at.what)) * basis[k] * ends[k];
+    }
+    for (std::uint32_t d = 0; d <= at.what; ++d) slope /= T;
+    // The solver minimises half the cost.
+    gradient[at.place] += 2 * solver.multipliers()[j] * at.sign * slope;
+  }
+}
+
+void keep_labels(const DualActiveSet& solver, std::span<QpLabel> labels, std::size_t& count) {
+  count = std::min(labels.size(), solver.active_count());
+  for (std::size_t j = 0; j < count; ++j) labels[j] = solver.active_rows()[j].label;
+}
+
 Status solve_axis(const AxisBounds& bounds, const TrajectorySpans& spans, std::span<Segment> segments,
-                  TrajectoryReport& report) {
+                  TrajectoryReport& report, WarmStart* warm, std::span<Real> gradient) {
   AxisSolve solve(bounds, spans);
-  const Status status = solve.run();
+  const std::size_t axis = bounds.axis.axis;
+  const Status status = solve.run(warm ? warm->labels[axis].first(warm->count[axis]) : std::span<QpLabel>{});
   report.qp_iterations += solve.solver().iterations();
   report.constraints_added += solve.rows_added();
-  if (status == Status::kOk) {
-    report.active += static_cast<std::uint32_t>(solve.solver().active_count());
-    emit_axis(bounds, solve.solver().solution(), segments);
-  } else {
+  if (status != Status::kOk) {
     const Violation& v = solve.last();
-    report.blocking = {v.segment, static_cast<std::uint8_t>(bounds.axis.axis), static_cast<BoundKind>(v.derivative),
-                       v.excess, 0};
+    report.blocking = {v.segment, static_cast<std::uint8_t>(axis), static_cast<BoundKind>(v.derivative), v.excess, 0};
+    return status;
   }
+  report.active += static_cast<std::uint32_t>(solve.solver().active_count());
+  emit_axis(bounds, solve.solver().solution(), segments);
+  if (warm) keep_labels(solve.solver(), warm->labels[axis], warm->count[axis]);
+  if (!gradient.empty()) add_gradient(bounds, solve.solver(), gradient);
   return status;
 }
 
 }  // namespace
 
 Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::span<Segment> segments,
-                           TrajectoryReport& report) {
+                           TrajectoryReport& report, WarmStart* warm, std::span<Real> gradient) {
   if (!is_well_posed(problem, segments)) return Status::kBadRequest;
   if (problem.boxes.size() > spans.violations.size()) return Status::kCorridorCapacity;
   report = {};
+  std::fill(gradient.begin(), gradient.end(), Real(0));
   const Margins& margins = problem.margins;
   const bool has_margins = margins.position > 0 || margins.velocity > 0 || margins.acceleration > 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Status status = solve_axis(axis_bounds(problem, axis, margins), spans, segments, report);
+    Status status = solve_axis(axis_bounds(problem, axis, margins), spans, segments, report, warm, gradient);
     if (status != Status::kOk && has_margins) {
       // Only without margins is every generated row necessary, and so infeasibility proven.
-      status = solve_axis(axis_bounds(problem, axis, Margins{}), spans, segments, report);
+      status = solve_axis(axis_bounds(problem, axis, Margins{}), spans, segments, report, warm, gradient);
     }
     if (status != Status::kOk) return status;
   }

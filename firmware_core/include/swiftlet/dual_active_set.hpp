@@ -15,12 +15,18 @@ namespace swiftlet {
 /// caller finds them violated; nothing here knows of flight.
 inline constexpr std::size_t kBlockSize = 3;
 
-/// Block k of the factor P = U' D' D U: U is unit block bidiagonal, with `coupling` (row-major) the block that multiplies
-/// x_{k+1}; D is block diagonal and upper triangular, kept as its inverse (row-major: 00 01 02 11 12 22). In a substitution
-/// only the couplings wait for each other, one 3 x 3 product a block.
+/// Block k of the factor P = U' D' D U: U is unit block bidiagonal, with `coupling` (row-major) the block that
+/// multiplies x_{k+1}; D is block diagonal and upper triangular, kept as its inverse (row-major: 00 01 02 11 12 22). In
+/// a substitution only the couplings wait for each other, one 3 x 3 product a block.
 struct FactorBlock {
   std::array<Real, 6> inverse_diagonal;
   std::array<Real, 9> coupling;
+};
+
+/// What the caller wants to find again in an active row; the solver only carries it.
+struct QpLabel {
+  std::uint32_t kind = 0;
+  Real where = 0;
 };
 
 /// n' x <= bound; coefficients of blocks `block` and `block + 1` (zero where that block does not exist).
@@ -28,6 +34,7 @@ struct QpRow {
   std::array<Real, 2 * kBlockSize> coefficients{};
   Real bound = 0;
   std::uint32_t block = 0;
+  QpLabel label;
 };
 
 /// Memory of one solve of up to K blocks and Q rows active at once.
@@ -57,6 +64,10 @@ class DualActiveSet {
   ///   kIterationLimit    the limit, or the capacity for active rows, is used up
   ///   kNumericalTrouble  a non-finite number came up
   Status enforce(const QpRow& row);
+
+  /// Starts from rows that were active in a similar problem: those that depend on the others or do not press are left
+  /// out. Call before the first enforce. Errors as of enforce, but never kInfeasible.
+  Status start_from(std::span<const QpRow> rows);
 
   [[nodiscard]] std::span<const Real> solution() const { return spans_.solution.first(kBlockSize * block_count_); }
   [[nodiscard]] std::size_t active_count() const { return active_count_; }

@@ -9,6 +9,7 @@
 #include "swiftlet/corridor.hpp"
 #include "swiftlet/corridor_search.hpp"
 #include "swiftlet/status.hpp"
+#include "swiftlet/time_refinement.hpp"
 #include "swiftlet/trajectory.hpp"
 #include "swiftlet/trajectory_generator.hpp"
 #include "swiftlet/types.hpp"
@@ -30,6 +31,7 @@ struct PlanRequest {
   CorridorKind corridor = CorridorKind::kExtents;
   bool relax = true;  ///< kCells only
   SearchOptions search;
+  std::uint32_t refinement_solves = 12;  ///< trajectories that the refinement of times may try
   Real snap_distance = 0;  ///< [m] move a start or goal that is not free to the nearest free point within this distance
 };
 
@@ -57,12 +59,13 @@ struct PlannerSpans {
   std::span<Box> boxes;
   std::span<Box> gates;
   std::span<Vector3> points;
-  std::span<Vector3> point_scratch;
+  std::span<TautNode> taut_nodes;
   std::span<Real> profile;
   std::span<Real> durations;
   std::span<Real> stop_durations;
   std::span<Segment> segments;
   TrajectorySpans trajectory;
+  RefinementSpans refinement;
 };
 
 /// Goal in, certified trajectory out: locate, search, corridor, times, QP, certificate. No call keeps anything from an
@@ -88,8 +91,9 @@ class Planner {
  private:
   Status search_corridor(const BoxGraphView& graph, const PlanRequest& request);
   Status allocate_profile();
-  Status solve_stretched(Real stretch);
-  Status optimise();
+  [[nodiscard]] TrajectoryProblem problem() const;
+  Status stretch_until_feasible();
+  Status optimise(const PlanRequest& request);
   bool certify_plan(const PlanRequest& request, std::span<const Segment> segments);
 
   PlannerSpans spans_;

@@ -14,6 +14,9 @@ struct Capacity {
   std::size_t search_nodes;  ///< windows that one search may reach
 };
 
+/// Rows active at once on one axis: every junction against its gate, and a few extrema.
+constexpr std::size_t active_rows(std::size_t segments) { return segments + 16; }
+
 /// Memory of the trajectory stage for up to `kSegments` segments, trivially destructible.
 template <std::size_t kSegments>
 class TrajectoryStorage {
@@ -23,8 +26,7 @@ class TrajectoryStorage {
   }
 
  private:
-  // Rows active at once on one axis: every junction against its gate, and a few extrema.
-  static constexpr std::size_t kActive = kSegments + 16;
+  static constexpr std::size_t kActive = active_rows(kSegments);
 
   std::array<FactorBlock, kSegments> factor_;
   std::array<Real, kBlockSize * kSegments> optimum_;
@@ -37,13 +39,36 @@ class TrajectoryStorage {
   std::array<Violation, kSegments> violations_;
 };
 
+/// Memory of the refinement of times.
+template <std::size_t kSegments>
+class RefinementStorage {
+ public:
+  RefinementSpans spans() { return {trial_, gradient_, {{labels_[0], labels_[1], labels_[2]}, {}}}; }
+
+ private:
+  std::array<Real, kSegments> trial_;
+  std::array<Real, kSegments> gradient_;
+  std::array<std::array<QpLabel, active_rows(kSegments)>, 3> labels_;
+};
+
 /// All memory of one planner. Make it static: it is large, and its size is known at compile time.
 template <Capacity kCapacity>
 class PlannerStorage {
  public:
   PlannerSpans spans() {
-    return {{nodes_, open_, hash_}, cell_path_, int_boxes_, boxes_,          gates_,    points_,
-            point_scratch_,         profile_,   durations_, stop_durations_, segments_, trajectory_.spans()};
+    return {{nodes_, open_, hash_},
+            cell_path_,
+            int_boxes_,
+            boxes_,
+            gates_,
+            points_,
+            taut_nodes_,
+            profile_,
+            durations_,
+            stop_durations_,
+            segments_,
+            trajectory_.spans(),
+            refinement_.spans()};
   }
 
  private:
@@ -58,12 +83,13 @@ class PlannerStorage {
   std::array<Box, kCapacity.segments> boxes_;
   std::array<Box, kCapacity.segments> gates_;
   std::array<Vector3, kCapacity.segments + 1> points_;
-  std::array<Vector3, kCapacity.segments + 1> point_scratch_;
+  std::array<TautNode, kCapacity.segments + 1> taut_nodes_;
   std::array<Real, kCapacity.segments> profile_;
   std::array<Real, kCapacity.segments> durations_;
   std::array<Real, kCapacity.segments> stop_durations_;
   std::array<Segment, kCapacity.segments> segments_;
   TrajectoryStorage<kCapacity.segments> trajectory_;
+  RefinementStorage<kCapacity.segments> refinement_;
 };
 
 }  // namespace swiftlet

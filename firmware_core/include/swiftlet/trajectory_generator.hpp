@@ -1,6 +1,6 @@
 #pragma once
+#include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "swiftlet/dual_active_set.hpp"
@@ -70,14 +70,24 @@ struct TrajectorySpans {
   std::span<Violation> violations;  ///< M
 };
 
+/// What one solve leaves for the next one on the same boxes: the active rows of each axis. Storage for Q labels an
+/// axis.
+struct WarmStart {
+  std::array<std::span<QpLabel>, 3> labels;
+  std::array<std::size_t, 3> count{};
+};
+
 /// Minimum-jerk trajectory for the durations as given (Sec. IV-B to IV-D): one dual active-set run an axis, rows
 /// generated lazily at violating extrema. With margins that cannot be met the run is repeated without. Bounds hold to
 /// kFeasibility at every t.
 ///   segments   receives M segments, in frame W
+///   warm       nullptr, or the active rows of an earlier solve to start from; receives those of this one
+///   gradient   empty, or receives M elements: the derivative of the summed optimal cost by each duration (envelope
+///              theorem: that of the Lagrangian at fixed junction states) [m^2/s^6]
 /// Errors: kBadRequest (counts, lo > hi, a gate outside a box, durations not > 0, non-finite numbers, limits not > 0),
 /// kInfeasible (at zero margins; report.blocking says where), kIterationLimit, kNumericalTrouble, kCorridorCapacity.
 Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::span<Segment> segments,
-                           TrajectoryReport& report);
+                           TrajectoryReport& report, WarmStart* warm = nullptr, std::span<Real> gradient = {});
 
 /// The smallest uniform stretch of the durations, to one percent and at most `kLargestStretch`, with which
 /// generate_trajectory succeeds; 0 when none was found. `durations` is scratch of M elements.
