@@ -20,9 +20,9 @@ class BoxGraphView {
   /// A view of nothing; only `open` makes a useful one.
   BoxGraphView() = default;
 
-  /// Validates size, header, CRC and every index, once: after it no call can leave the blob or loop without end. That cells
-  /// are disjoint and free is the builder's promise (`swiftlet map verify`), not checked here. `blob` starts at the header
-  /// and may be longer than the blob, as a flash sector is. Cost: one pass, O(log degree) a neighbour.
+  /// Validates size, header, CRC and every index, once: after it no call can leave the blob or loop without end. That
+  /// cells are disjoint and free is the builder's promise (`swiftlet map verify`), not checked here. `blob` starts at
+  /// the header and may be longer than the blob, as a flash sector is. Cost: one pass, O(log degree) a neighbour.
   /// Errors: kBadRequest (not 8-byte aligned), kBlobTruncated, kBlobWrongMagic, kBlobWrongByteOrder, kBlobWrongVersion,
   /// kBlobDamaged, kBlobInconsistent.
   static Result<BoxGraphView> open(std::span<const std::byte> blob);
@@ -48,8 +48,9 @@ class BoxGraphView {
   /// Corners in frame W [m]: origin + unit * i, the one place where integers become metres.
   [[nodiscard]] Box to_world(const IntBox& box) const;
 
-  /// The cell that holds the point (closed boxes as `to_world` gives them; the lowest index when it lies on a shared face),
-  /// or nothing (also for a point that is not finite). Cost O(log n) typical; at most one visit of every index node.
+  /// The cell that holds the point (closed boxes as `to_world` gives them; the lowest index when it lies on a shared
+  /// face), or nothing (also for a point that is not finite). Cost O(log n) typical; at most one visit of every index
+  /// node.
   [[nodiscard]] std::optional<CellIndex> locate(const Vector3& p_W) const;
 
   struct NearestFree {
@@ -57,8 +58,8 @@ class BoxGraphView {
     Vector3 point = Vector3::Zero();  ///< [m] frame W, inside `cell`
     Real distance = 0;                ///< [m]
   };
-  /// The free point nearest to `p_W`, in the cell of the lowest index on ties; nothing when the map has no cell or `p_W` is
-  /// not finite. Branch and bound: at most one visit of every index node.
+  /// The free point nearest to `p_W`, in the cell of the lowest index on ties; nothing when the map has no cell or
+  /// `p_W` is not finite. Branch and bound: at most one visit of every index node.
   [[nodiscard]] std::optional<NearestFree> nearest_free(const Vector3& p_W) const;
 
   /// Volume [unit^3] of `box` that is covered by cells: equal to the volume of `box` exactly when it is all free.
