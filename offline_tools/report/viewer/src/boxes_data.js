@@ -1,9 +1,8 @@
 /// Boxes as the page carries them: base64 of 16-bit little-endian x0,y0,z0,x1,y1,z1 in units from an origin.
 export function decode_boxes({ origin, unit, voxel, boxes }) {
   const text = atob(boxes);
-  const bytes = Uint8Array.from(text, (character) => character.charCodeAt(0));
-  const view = new DataView(bytes.buffer);
-  const data = Uint16Array.from({ length: bytes.length / 2 }, (_, i) => view.getUint16(2 * i, true));
+  const data = new Uint16Array(text.length / 2);
+  for (let i = 0; i < data.length; ++i) data[i] = text.charCodeAt(2 * i) | (text.charCodeAt(2 * i + 1) << 8);
   return { data, origin, unit, voxel };
 }
 

@@ -61,11 +61,19 @@ function make_view(host, report, trajectory) {
   add_layers(view, plan, obstacles, trajectory, all);
   host.insertAdjacentHTML('beforeend', panel_markup(layers_of(plan, obstacles, trajectory), [all[2], all[5]], band_at_start(flown, all)).text);
   if (trajectory) host.insertAdjacentHTML('beforeend', legend_markup(top_speed(plan, trajectory)).text);
-  connect_panel(host, view, all);
+  const framed = framed_box(flown, all);
+  connect_panel(host, view, framed);
   view.recolour();
   on_theme(() => view.recolour());
-  view.fit(all, 'oblique');
+  view.fit(framed, 'oblique');
   return view;
+}
+
+/// The flight with its surroundings: as far again to every side as half its longest edge, within the map.
+function framed_box(flown, all) {
+  if (!flown) return all;
+  const reach = Math.max(flown[3] - flown[0], flown[4] - flown[1], flown[5] - flown[2], 2) / 2;
+  return all.map((bound, i) => (i < 3 ? Math.max(bound, flown[i] - reach) : Math.min(bound, flown[i] + reach)));
 }
 
 /// What lies above the flight is cut off at the start, so that the page opens with a look into the building.

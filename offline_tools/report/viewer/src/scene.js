@@ -29,7 +29,8 @@ export class View {
     this.controls.zoomToCursor = true;
     this.controls.addEventListener('change', () => this.request_frame());
     this.controls.addEventListener('start', () => (this.fitted = null));
-    new ResizeObserver(() => this.#resize()).observe(host);
+    this.#fill_host();
+    new ResizeObserver(() => this.#fill_host() && this.#draw()).observe(host);
   }
 
   add(name, layer) {
@@ -113,20 +114,23 @@ export class View {
     this.camera.updateProjectionMatrix();
   }
 
-  #resize() {
+  /// Takes the size of the host; false when that is nothing new.
+  #fill_host() {
     const { clientWidth: width, clientHeight: height } = this.host;
-    if (width === 0 || height === 0) return;
+    if (width === 0 || height === 0 || (width === this.width && height === this.height)) return false;
+    this.width = width;
+    this.height = height;
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (this.fitted) this.fit(this.fitted.box, this.fitted.direction);
-    this.#draw();
+    return true;
   }
 
   request_frame() {
     if (this.pending) return;
     this.pending = true;
-    requestAnimationFrame(() => this.#draw());
+    requestAnimationFrame(() => this.pending && this.#draw());
   }
 
   #draw() {
@@ -139,7 +143,7 @@ export class View {
     const p = position.clone().project(this.camera);
     const visible = p.z < 1 && (this.layers.get(layer)?.object.visible ?? true);
     element.style.display = visible ? '' : 'none';
-    const { clientWidth: width, clientHeight: height } = this.host;
-    element.style.transform = `translate(${((p.x + 1) / 2) * width}px, ${((1 - p.y) / 2) * height}px) translate(-50%, -50%)`;
+    const [x, y] = [((p.x + 1) / 2) * this.width, ((1 - p.y) / 2) * this.height];
+    element.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
   }
 }
