@@ -40,7 +40,7 @@ TEST(TimeRefinement, TheGradientIsTheSlopeOfTheOptimalCost) {
         cost[side] = summed_cost(std::span(segments).first(6));
       }
       const Real slope = (cost[1] - cost[0]) / (2 * step);
-      EXPECT_NEAR(gradient[i], slope, 1e-3 * (1 + std::fabs(slope)));
+      EXPECT_NEAR(gradient[i], slope, Real(1e-3) * (1 + std::fabs(slope)));
     }
   }
   EXPECT_GT(active, 20);
