@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "swiftlet/interior_knots.hpp"
 #include "swiftlet/time_allocation.hpp"
 
 namespace swiftlet {
@@ -16,6 +17,8 @@ constexpr Real kNormShare = Real(0.57735);
 // gives no time at all, and the cost grows with T^-5.
 constexpr Real kShortestShare = Real(0.05);
 constexpr Real kShortestDuration = Real(1e-3);  // [s]
+// Longest leg without a knot, in units of the way to the speed limit and back.
+constexpr Real kLongestLeg = 2;
 constexpr Real kStretchStep = Real(1.25);
 constexpr int kStretchSteps = 20;
 // Jerk cost that a second is worth, in units of a^4 / v^2: more flies faster, less smoother.
@@ -125,21 +128,47 @@ Status Planner::fit_trajectory(const PlanRequest& request) {
   const Real share = request.norm == LimitNorm::kEuclidean ? kNormShare : Real(1);
   plan_.qp_v_max = Vector3::Constant(share * request.v_max);
   plan_.qp_a_max = Vector3::Constant(share * request.a_max);
-  const std::size_t count = plan_.boxes.size();
-  const std::span<Segment> segments = spans_.segments.first(count);
-
+  add_knots();
   // The answer that always exists, before anything that could run out (design: section 6).
-  const std::span<const Vector3> points = spans_.points.first(count + 1);
-  stop_at_gates(points, plan_.qp_v_max, plan_.qp_a_max, segments);
-  for (std::size_t i = 0; i < count; ++i) spans_.stop_durations[i] = segments[i].duration;
+  stop_at_every_gate();
+  for (std::size_t i = 0; i < plan_.boxes.size(); ++i) spans_.stop_durations[i] = spans_.segments[i].duration;
 
   plan_.status = optimise(request);
-  if (plan_.status == Status::kOk && certify_plan(request, segments)) return plan_.status;
+  if (plan_.status == Status::kOk && certify_plan(request)) return plan_.status;
   if (!is_at_rest(plan_.start) || !is_at_rest(plan_.goal)) return plan_.status = Status::kInfeasible;
   plan_.trajectory.fallback_reason = reason_for_fallback(plan_.status);
-  stop_at_gates(points, plan_.qp_v_max, plan_.qp_a_max, segments);
-  plan_.status = certify_plan(request, segments) ? Status::kFallback : Status::kNumericalTrouble;
+  stop_at_every_gate();
+  plan_.status = certify_plan(request) ? Status::kFallback : Status::kNumericalTrouble;
   return plan_.status;
+}
+
+/// Interior knots where one quintic would be too stiff for its leg.
+void Planner::add_knots() {
+  const Real ramps = plan_.qp_v_max[0] * plan_.qp_v_max[0] / plan_.qp_a_max[0];  // [m] to the speed limit and back
+  const std::size_t count = insert_knots({spans_.int_boxes, spans_.boxes, spans_.gates, spans_.points},
+                                         plan_.boxes.size(), kLongestLeg * ramps);
+  plan_.int_boxes = spans_.int_boxes.first(count);
+  plan_.boxes = spans_.boxes.first(count);
+  plan_.gates = spans_.gates.first(count - 1);
+}
+
+/// Straight legs from gate to gate; one that passes knots is split at them, from the back so that nothing is
+/// overwritten.
+void Planner::stop_at_every_gate() {
+  const std::size_t count = plan_.boxes.size();
+  std::size_t legs = 0;
+  spans_.point_scratch[0] = spans_.points[0];
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i + 1 < count && is_knot(plan_.int_boxes, i)) continue;
+    spans_.point_scratch[++legs] = spans_.points[i + 1];
+  }
+  stop_at_gates(spans_.point_scratch.first(legs + 1), plan_.qp_v_max, plan_.qp_a_max, spans_.segments);
+  for (std::size_t end = count; end > 0;) {
+    std::size_t first = end - 1;
+    while (first > 0 && is_knot(plan_.int_boxes, first - 1)) --first;
+    split_segment(spans_.segments[--legs], spans_.segments.subspan(first, end - first));
+    end = first;
+  }
 }
 
 /// Segment durations along the taut path; junctions that coincide get a share of the mean.
@@ -208,8 +237,9 @@ Status Planner::optimise(const PlanRequest& request) {
   return status;
 }
 
-/// Certifies `segments` against the request and, when they pass, makes them the plan's.
-bool Planner::certify_plan(const PlanRequest& request, std::span<const Segment> segments) {
+/// Certifies the segments against the request and, when they pass, makes them the plan's.
+bool Planner::certify_plan(const PlanRequest& request) {
+  const std::span<const Segment> segments = spans_.segments.first(plan_.boxes.size());
   const bool per_axis = request.norm == LimitNorm::kAxis;
   const Vector3 unlimited = Vector3::Constant(kInfinity);
   plan_.certificate = certify(segments, {plan_.boxes, plan_.gates, plan_.start, plan_.goal,

@@ -90,11 +90,13 @@ class Planner {
 
  private:
   Status search_corridor(const BoxGraphView& graph, const PlanRequest& request);
+  void add_knots();
+  void stop_at_every_gate();
   Status allocate_profile();
   [[nodiscard]] TrajectoryProblem problem() const;
   Status stretch_until_feasible();
   Status optimise(const PlanRequest& request);
-  bool certify_plan(const PlanRequest& request, std::span<const Segment> segments);
+  bool certify_plan(const PlanRequest& request);
 
   PlannerSpans spans_;
   Plan plan_;
