@@ -157,12 +157,12 @@ void Planner::add_knots() {
 void Planner::stop_at_every_gate() {
   const std::size_t count = plan_.boxes.size();
   std::size_t legs = 0;
-  spans_.point_scratch[0] = spans_.points[0];
+  spans_.stop_points[0] = spans_.points[0];
   for (std::size_t i = 0; i < count; ++i) {
     if (i + 1 < count && is_knot(plan_.int_boxes, i)) continue;
-    spans_.point_scratch[++legs] = spans_.points[i + 1];
+    spans_.stop_points[++legs] = spans_.points[i + 1];
   }
-  stop_at_gates(spans_.point_scratch.first(legs + 1), plan_.qp_v_max, plan_.qp_a_max, spans_.segments);
+  stop_at_gates(spans_.stop_points.first(legs + 1), plan_.qp_v_max, plan_.qp_a_max, spans_.segments);
   for (std::size_t end = count; end > 0;) {
     std::size_t first = end - 1;
     while (first > 0 && is_knot(plan_.int_boxes, first - 1)) --first;

@@ -60,6 +60,7 @@ struct PlannerSpans {
   std::span<Box> gates;
   std::span<Vector3> points;
   std::span<TautNode> taut_nodes;
+  std::span<Vector3> stop_points;
   std::span<Real> profile;
   std::span<Real> durations;
   std::span<Real> stop_durations;

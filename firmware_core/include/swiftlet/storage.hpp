@@ -63,6 +63,7 @@ class PlannerStorage {
             gates_,
             points_,
             taut_nodes_,
+            stop_points_,
             profile_,
             durations_,
             stop_durations_,
@@ -84,6 +85,7 @@ class PlannerStorage {
   std::array<Box, kCapacity.segments> gates_;
   std::array<Vector3, kCapacity.segments + 1> points_;
   std::array<TautNode, kCapacity.segments + 1> taut_nodes_;
+  std::array<Vector3, kCapacity.segments + 1> stop_points_;
   std::array<Real, kCapacity.segments> profile_;
   std::array<Real, kCapacity.segments> durations_;
   std::array<Real, kCapacity.segments> stop_durations_;

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstddef>
+#include <span>
+
+#include "swiftlet/trajectory.hpp"
+#include "swiftlet/types.hpp"
+
+namespace swiftlet {
+
+/// One quintic cannot accelerate, cruise and brake: over a long box it reaches the speed limit at its middle only. A
+/// box whose leg of the taut path is long is therefore repeated, and the gate between two copies is the box itself.
+
+/// A corridor with the points of its taut path, in buffers that may grow to their full size.
+struct KnottedCorridor {
+  std::span<IntBox> int_boxes;  ///< [unit]
+  std::span<Box> boxes;         ///< [m]
+  std::span<Box> gates;         ///< [m]
+  std::span<Vector3> points;    ///< one more than boxes [m]
+};
+
+/// Repeats boxes so that no straight piece between two points is longer than `longest_leg` [m] (largest axis), at most
+/// `kMostPieces` pieces a box and as far as the buffers reach; the pieces of a leg are equally long.
+///   count   boxes in use, at least one
+/// Returns the number of boxes afterwards. Cost O(M).
+inline constexpr std::size_t kMostPieces = 3;
+std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Real longest_leg);
+
+/// True when junction k (between boxes k and k + 1) is such a knot and not a gate.
+inline bool is_knot(std::span<const IntBox> int_boxes, std::size_t k) { return int_boxes[k] == int_boxes[k + 1]; }
+
+/// Splits a segment into pieces of equal duration that together are the same polynomial, to rounding.
+void split_segment(const Segment& segment, std::span<Segment> pieces);
+
+}  // namespace swiftlet
