@@ -7,8 +7,8 @@ presets=(host-release host-debug host-float linux-aarch64 mps2-an500) # host-rel
 jobs=$(nproc)
 program=build/host-release/offline_tools/cli/swiftlet
 
-host_packages=(g++ cmake ninja-build libeigen3-dev liboctomap-dev libcli11-dev nlohmann-json3-dev googletest
-  libbenchmark-dev ca-certificates python3)
+host_packages=(g++ cmake ninja-build libeigen3-dev liboctomap-dev libcli11-dev nlohmann-json3-dev libexpected-dev
+  libssl-dev libbenchmark-dev googletest ca-certificates python3)
 cross_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib g++-aarch64-linux-gnu
   qemu-system-arm qemu-user clang-format-14 clang-tidy-14)
 
