@@ -7,7 +7,8 @@
 namespace swiftlet {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the blob is read in place, so the machine must be little-endian");
+static_assert(std::endian::native == std::endian::little,
+              "the blob is read in place, so the machine must be little-endian");
 
 // ---------------------------------------------------------------------------------------------------------- checksum
 
@@ -107,9 +108,8 @@ bool sections_consistent(const BlobHeader& header) {
   const std::uint64_t cells = header.cell_count;
   const std::array<std::uint64_t, kBlobSectionCount> bytes{
       cells * sizeof(BlobBox),
-      cells * sizeof(BlobBox),
-      (cells + 1) * sizeof(std::uint32_t),
-      std::uint64_t{header.neighbour_count} * sizeof(std::uint32_t),
+      cells * sizeof(std::uint32_t),
+      header.sections[static_cast<std::size_t>(BlobSection::kRecords)].bytes,
       cells * sizeof(std::uint16_t),
       std::uint64_t{header.index_node_count} * sizeof(BlobBox),
       header.sections[static_cast<std::size_t>(BlobSection::kObstacles)].bytes,
@@ -136,14 +136,52 @@ bool header_consistent(const BlobHeader& header) {
   return header.index_node_count == IndexShape(header.cell_count).node_count() && sections_consistent(header);
 }
 
-// --------------------------------------------------------------------------------------------------- section checks
+// ----------------------------------------------------------------------------------------------------------- records
 
-bool rows_consistent(std::span<const std::uint32_t> offsets, std::size_t neighbour_count) {
-  if (offsets.front() != 0 || offsets.back() != neighbour_count) return false;
-  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
-    if (offsets[i] > offsets[i + 1]) return false;
+constexpr unsigned kLebBits = 7;
+constexpr unsigned kLebMore = 0x80;
+
+/// Reads one number of a record that has been validated, so that it ends within the blob.
+std::uint32_t read_number(const std::byte*& at) {
+  std::uint32_t value = 0;
+  for (unsigned shift = 0; shift < 32; shift += kLebBits) {
+    const auto byte = std::to_integer<std::uint32_t>(*at++);
+    value |= (byte & (kLebMore - 1)) << shift;
+    if ((byte & kLebMore) == 0) break;
   }
-  return true;
+  return value;
+}
+
+/// The same for bytes of unknown origin: false when the number passes `end` or 32 bits.
+bool read_checked(const std::byte*& at, const std::byte* end, std::uint32_t& value) {
+  std::uint64_t wide = 0;
+  for (unsigned shift = 0; shift < 35; shift += kLebBits) {
+    if (at == end) return false;
+    const auto byte = std::to_integer<std::uint64_t>(*at++);
+    wide |= (byte & (kLebMore - 1)) << shift;
+    if ((byte & kLebMore) != 0) continue;
+    value = static_cast<std::uint32_t>(wide);
+    return wide <= 0xFFFFFFFFU;
+  }
+  return false;
+}
+
+/// 0, 1, 2, 3, 4 ... stand for 0, -1, 1, -2, 2 ...
+std::int64_t from_zigzag(std::uint32_t code) {
+  const auto half = static_cast<std::int64_t>(code >> 1);
+  return (code & 1U) != 0 ? -half - 1 : half;
+}
+
+void skip_neighbours(const std::byte*& at) {
+  for (std::uint32_t count = read_number(at); count > 0; --count) read_number(at);
+}
+
+/// A number that hardly any other pair has (splitmix64), to compare two sets of pairs by the sum over each.
+std::uint64_t hash_pair(std::uint64_t low, std::uint64_t high) {
+  std::uint64_t x = (low << 32 | high) + 0x9E3779B97F4A7C15U;
+  x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9U;
+  x = (x ^ x >> 27) * 0x94D049BB133111EBU;
+  return x ^ x >> 31;
 }
 
 }  // namespace
@@ -173,51 +211,90 @@ Result<BoxGraphView> BoxGraphView::open(std::span<const std::byte> blob) {
   BoxGraphView view;
   view.header_ = header;
   view.unit_ = header->resolution / static_cast<double>(1U << header->unit_shift);
-  const Status status = view.validate();
-  if (status != Status::kOk) return status;
+  const bool consistent = view.cells_consistent() && view.records_consistent() && view.index_consistent();
+  if (!consistent) return Status::kBlobInconsistent;
   return view;
 }
 
-Status BoxGraphView::validate() const {
-  const std::size_t count = cell_count();
+bool BoxGraphView::cells_consistent() const {
   const auto labels = section<std::uint16_t>(BlobSection::kComponents);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto index = static_cast<CellIndex>(i);
-    if (!is_proper(cell(index), header_->size) || !is_proper(extent(index), header_->size)) return Status::kBlobInconsistent;
-    if (!contains(extent(index), cell(index))) return Status::kBlobInconsistent;
-    if (labels[i] >= header_->component_count) return Status::kBlobInconsistent;
+  for (std::size_t i = 0; i < cell_count(); ++i) {
+    if (!is_proper(cell(static_cast<CellIndex>(i)), header_->size) || labels[i] >= header_->component_count)
+      return false;
   }
+  return true;
+}
 
-  // Rows first as a whole: the symmetry check below looks into other rows.
-  const auto offsets = section<std::uint32_t>(BlobSection::kNeighbourOffsets);
-  if (!rows_consistent(offsets, header_->neighbour_count)) return Status::kBlobInconsistent;
-  for (const std::uint32_t neighbour : section<std::uint32_t>(BlobSection::kNeighbours)) {
-    if (neighbour >= count) return Status::kBlobInconsistent;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto from = static_cast<CellIndex>(i);
-    const auto row = neighbours(from);
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      const CellIndex to = row[k];
-      if (k > 0 && row[k - 1] >= to) return Status::kBlobInconsistent;
-      if (labels[to_size(to)] != labels[i] || !shares_window(cell(from), cell(to))) return Status::kBlobInconsistent;
-      const auto back = neighbours(to);
-      if (!std::binary_search(back.begin(), back.end(), from)) return Status::kBlobInconsistent;
+bool BoxGraphView::records_consistent() const {
+  const auto offsets = section<std::uint32_t>(BlobSection::kRecordOffsets);
+  const auto records = section<std::byte>(BlobSection::kRecords);
+  const std::byte* at = records.data();
+  const std::byte* const end = at + records.size();
+  std::uint64_t neighbour_count = 0;
+  std::uint64_t pairs_upward = 0;  // sums over all (i, j) with i < j, as seen from i and as seen from j
+  std::uint64_t pairs_downward = 0;
+  for (std::size_t i = 0; i < cell_count(); ++i) {
+    const auto own = static_cast<CellIndex>(i);
+    if (offsets[i] != static_cast<std::uint64_t>(at - records.data())) return false;
+
+    std::uint32_t count = 0;
+    if (!read_checked(at, end, count)) return false;
+    neighbour_count += count;
+    auto other = static_cast<std::int64_t>(i);
+    for (std::uint32_t k = 0; k < count; ++k) {  // ends with the section: every turn reads at least a byte
+      std::uint32_t number = 0;
+      if (!read_checked(at, end, number)) return false;
+      other += k == 0 ? from_zigzag(number) : std::int64_t{number} + 1;
+      if (other < 0 || other >= static_cast<std::int64_t>(cell_count())) return false;
+      const auto neighbour = static_cast<CellIndex>(other);
+      if (component(neighbour) != component(own) || !shares_window(cell(own), cell(neighbour))) return false;
+      if (neighbour > own) {
+        pairs_upward += hash_pair(i, to_size(neighbour));
+      } else {
+        pairs_downward += hash_pair(to_size(neighbour), i);
+      }
+    }
+
+    const IntBox box = cell(own);
+    for (std::size_t side = 0; side < 6; ++side) {
+      const std::size_t axis = side % 3;
+      const std::uint32_t room = side < 3 ? box.lo[axis] : header_->size[axis] - box.hi[axis];
+      std::uint32_t growth = 0;
+      if (!read_checked(at, end, growth) || growth > room) return false;
     }
   }
+  // Rows hold each neighbour once, so equal sums mean that i knows j exactly when j knows i. A forged blob may get past
+  // this with much work; what it wins is a search that cannot go back the way it came.
+  return at == end && neighbour_count == header_->neighbour_count && pairs_upward == pairs_downward;
+}
 
+bool BoxGraphView::index_consistent() const {
   const auto index = section<BlobBox>(BlobSection::kIndex);
-  const IndexShape shape(count);
+  const IndexShape shape(cell_count());
   for (std::size_t node = 0; node < index.size(); ++node) {
     const IntBox bounds = to_int_box(index[node]);
-    if (!is_proper(bounds, header_->size)) return Status::kBlobInconsistent;
-    if (node > 0 && !contains(to_int_box(index[(node - 1) / 2]), bounds)) return Status::kBlobInconsistent;
+    if (!is_proper(bounds, header_->size)) return false;
+    if (node > 0 && !contains(to_int_box(index[(node - 1) / 2]), bounds)) return false;
     if (!shape.is_leaf(node)) continue;
     for (std::size_t i = shape.first_cell(node); i < shape.end_cell(node); ++i) {
-      if (!contains(bounds, cell(static_cast<CellIndex>(i)))) return Status::kBlobInconsistent;
+      if (!contains(bounds, cell(static_cast<CellIndex>(i)))) return false;
     }
   }
-  return Status::kOk;
+  return true;
+}
+
+NeighbourRange::NeighbourRange(CellIndex cell, const std::byte* record) {
+  begin_.remaining_ = read_number(record);
+  if (begin_.remaining_ > 0) {
+    const std::int64_t first = static_cast<std::int64_t>(to_size(cell)) + from_zigzag(read_number(record));
+    begin_.value_ = static_cast<std::uint32_t>(first);
+  }
+  begin_.at_ = record;
+}
+
+NeighbourRange::Iterator& NeighbourRange::Iterator::operator++() {
+  if (--remaining_ > 0) value_ += read_number(at_) + 1;
+  return *this;
 }
 
 template <typename T>
@@ -231,14 +308,18 @@ IntBox BoxGraphView::cell(CellIndex cell) const {
   return to_int_box(section<BlobBox>(BlobSection::kCells)[to_size(cell)]);
 }
 
-IntBox BoxGraphView::extent(CellIndex cell) const {
-  return to_int_box(section<BlobBox>(BlobSection::kExtents)[to_size(cell)]);
+const std::byte* BoxGraphView::record(CellIndex cell) const {
+  return section<std::byte>(BlobSection::kRecords).data() +
+         section<std::uint32_t>(BlobSection::kRecordOffsets)[to_size(cell)];
 }
 
-std::span<const CellIndex> BoxGraphView::neighbours(CellIndex cell) const {
-  const auto offsets = section<std::uint32_t>(BlobSection::kNeighbourOffsets);
-  const std::size_t first = offsets[to_size(cell)];
-  return section<CellIndex>(BlobSection::kNeighbours).subspan(first, offsets[to_size(cell) + 1] - first);
+IntBox BoxGraphView::extent(CellIndex cell) const {
+  const std::byte* at = record(cell);
+  skip_neighbours(at);
+  IntBox box = this->cell(cell);
+  for (std::uint16_t& low : box.lo) low = static_cast<std::uint16_t>(low - read_number(at));
+  for (std::uint16_t& high : box.hi) high = static_cast<std::uint16_t>(high + read_number(at));
+  return box;
 }
 
 std::uint16_t BoxGraphView::component(CellIndex cell) const {

@@ -30,7 +30,8 @@ bool BitGrid::all_set(const GridBox& box) const {
   for (std::int32_t z = box.lo[2]; z < box.hi[2]; ++z) {
     for (std::int32_t y = box.lo[1]; y < box.hi[1]; ++y) {
       const auto words = row(y, z);
-      const bool full = for_each_word(box.lo[0], box.hi[0], [&](std::size_t i, Word mask) { return (~words[i] & mask) == 0; });
+      const bool full =
+          for_each_word(box.lo[0], box.hi[0], [&](std::size_t i, Word mask) { return (~words[i] & mask) == 0; });
       if (!full) return false;
     }
   }

@@ -46,7 +46,9 @@ class BitGrid {
   [[nodiscard]] const Index3& size() const { return size_; }
   [[nodiscard]] GridBox box() const { return {{0, 0, 0}, size_}; }
   [[nodiscard]] std::size_t row_words() const { return row_words_; }
-  [[nodiscard]] std::span<Word> row(std::int32_t y, std::int32_t z) { return {words_.data() + row_start(y, z), row_words_}; }
+  [[nodiscard]] std::span<Word> row(std::int32_t y, std::int32_t z) {
+    return {words_.data() + row_start(y, z), row_words_};
+  }
   [[nodiscard]] std::span<const Word> row(std::int32_t y, std::int32_t z) const {
     return {words_.data() + row_start(y, z), row_words_};
   }
@@ -62,7 +64,8 @@ class BitGrid {
 
  private:
   [[nodiscard]] std::size_t row_start(std::int32_t y, std::int32_t z) const {
-    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) * row_words_;
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
+           row_words_;
   }
 
   Index3 size_{};

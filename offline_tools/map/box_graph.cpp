@@ -34,7 +34,8 @@ class IndexOrder {
 
   void place(std::size_t node, std::span<GridBox> part) {
     if (node + 1 >= leaf_count_) {
-      std::copy(part.begin(), part.end(), slots_.begin() + static_cast<std::ptrdiff_t>((node + 1 - leaf_count_) * kCellsPerIndexLeaf));
+      std::copy(part.begin(), part.end(),
+                slots_.begin() + static_cast<std::ptrdiff_t>((node + 1 - leaf_count_) * kCellsPerIndexLeaf));
       return;
     }
     const std::size_t left = capacity(2 * node + 1);
@@ -137,8 +138,9 @@ std::vector<std::uint16_t> label_components(const std::vector<GridBox>& cells,
     if (root(i) == i) roots.push_back(i);
     volumes[root(i)] += volume(cells[i]);
   }
-  std::sort(roots.begin(), roots.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return volumes[a] != volumes[b] ? volumes[a] > volumes[b] : a < b; });
+  std::sort(roots.begin(), roots.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return volumes[a] != volumes[b] ? volumes[a] > volumes[b] : a < b;
+  });
   constexpr std::size_t kMaxLabels = 65'535;
   std::vector<std::uint16_t> label_of_root(cells.size());
   for (std::size_t i = 0; i < roots.size(); ++i) {

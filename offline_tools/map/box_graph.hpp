@@ -7,12 +7,12 @@
 
 namespace swiftlet::tools {
 
-/// Puts the cells into the order of the blob's index: every leaf of the implicit tree (box_graph_format.hpp) holds cells that
-/// lie close together, split at medians along the longest side. Deterministic whatever the order on entry.
+/// Puts the cells into the order of the blob's index: every leaf of the implicit tree (box_graph_format.hpp) holds
+/// cells that lie close together, split at medians along the longest side. Deterministic whatever the order on entry.
 void order_for_index(std::vector<GridBox>& cells);
 
-/// All pairs (i, j), i < j, of disjoint boxes that share a window: touching on one axis, positive extent on the other two.
-/// Sorted. By a sweep over each plane that holds faces.
+/// All pairs (i, j), i < j, of disjoint boxes that share a window: touching on one axis, positive extent on the other
+/// two. Sorted. By a sweep over each plane that holds faces.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> find_windows(const std::vector<GridBox>& cells);
 
 /// Component label of each cell; components are numbered by falling volume, ties by their first cell. From 65,535

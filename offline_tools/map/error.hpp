@@ -1,6 +1,5 @@
 #pragma once
 #include <string>
-
 #include <tl/expected.hpp>
 
 namespace swiftlet::tools {
@@ -16,6 +15,8 @@ using Expected = tl::expected<T, Error>;
 
 inline constexpr int kExitBadFile = 3;
 
-inline tl::unexpected<Error> bad_file(std::string message) { return tl::unexpected(Error{kExitBadFile, std::move(message)}); }
+inline tl::unexpected<Error> bad_file(std::string message) {
+  return tl::unexpected(Error{kExitBadFile, std::move(message)});
+}
 
 }  // namespace swiftlet::tools

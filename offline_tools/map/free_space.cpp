@@ -31,7 +31,8 @@ VoxelBox crop(const VoxelMap& map, const std::optional<std::array<double, 6>>& b
       return std::clamp((x - map.origin[axis]) / map.resolution, -1.0, static_cast<double>(map.size[axis]) + 1);
     };
     box.lo[axis] = std::max<std::int64_t>(box.lo[axis], std::llround(std::ceil(voxels((*bounds)[axis]) - kRounding)));
-    box.hi[axis] = std::min<std::int64_t>(box.hi[axis], std::llround(std::floor(voxels((*bounds)[axis + 3]) + kRounding)));
+    box.hi[axis] =
+        std::min<std::int64_t>(box.hi[axis], std::llround(std::floor(voxels((*bounds)[axis + 3]) + kRounding)));
   }
   return box;
 }
@@ -46,8 +47,8 @@ bool fits(const VoxelBox& box, std::uint32_t shift) {
   return cells <= kMaxGridCells;
 }
 
-/// Along an axis inflation reaches the radius rounded up to whole units. Halves the unit while that is far more than the
-/// radius, as far as the map still fits.
+/// Along an axis inflation reaches the radius rounded up to whole units. Halves the unit while that is far more than
+/// the radius, as far as the map still fits.
 std::uint32_t choose_unit_shift(const VoxelBox& box, double resolution, double radius) {
   std::uint32_t shift = 0;
   const auto loss = [&] {
@@ -58,11 +59,13 @@ std::uint32_t choose_unit_shift(const VoxelBox& box, double resolution, double r
   return shift;
 }
 
-/// Which offsets between two grid cells are too close: gap(d) = max(0, |d| - 1) on each axis, squared gaps below `limit`.
+/// Which offsets between two grid cells are too close: gap(d) = max(0, |d| - 1) on each axis, squared gaps below
+/// `limit`.
 class Neighbourhood {
  public:
   explicit Neighbourhood(double radius_in_units) {
-    const auto limit = static_cast<std::int64_t>(std::ceil(radius_in_units * radius_in_units * (1 - 2 * kTwelveDigits)));
+    const auto limit =
+        static_cast<std::int64_t>(std::ceil(radius_in_units * radius_in_units * (1 - 2 * kTwelveDigits)));
     while (limit > 0 && std::int64_t{reach_} * reach_ < limit) ++reach_;  // the largest gap below the radius, plus one
     const auto gap = [](std::int32_t d) { return std::int64_t{std::max(0, d - 1)}; };
     for (std::int32_t dz = 0; dz <= reach_; ++dz) {
@@ -118,7 +121,8 @@ void or_shifted_down(std::span<const BitGrid::Word> from, std::int32_t bits, std
 /// Sets every bit at most `width` from a set one.
 void dilate_row(Row& row, std::int32_t width) {
   for (std::int32_t done = 0; done < width;) {
-    const std::int32_t step = std::min(2 * done + 1, width - done);  // bits within `done` are set: no gaps up to 2 done + 1
+    const std::int32_t step =
+        std::min(2 * done + 1, width - done);  // bits within `done` are set: no gaps up to 2 done + 1
     const Row before = row;
     or_shifted_up(before, step, row);
     or_shifted_down(before, step, row);
@@ -240,7 +244,8 @@ Expected<FreeSpace> compute_free_space(const VoxelMap& map, const std::string& s
     }
   }
   if (!fits(voxels, 0)) {
-    return bad_file(source + ": the map is too large (at most 65,535 voxels an axis and 8 billion in all); crop it with --bounds");
+    return bad_file(
+        source + ": the map is too large (at most 65,535 voxels an axis and 8 billion in all); crop it with --bounds");
   }
 
   FreeSpace space;
@@ -257,8 +262,9 @@ Expected<FreeSpace> compute_free_space(const VoxelMap& map, const std::string& s
   for (std::size_t axis = 0; axis < 3; ++axis) {
     size[axis] = static_cast<std::int32_t>((voxels.hi[axis] - voxels.lo[axis]) << space.unit_shift);
     space.first_voxel[axis] = static_cast<std::int32_t>(voxels.lo[axis]);
-    space.origin[axis] = voxels.lo[axis] == 0 ? map.origin[axis]
-                                              : map.origin[axis] + static_cast<double>(voxels.lo[axis]) * map.resolution;
+    space.origin[axis] = voxels.lo[axis] == 0
+                             ? map.origin[axis]
+                             : map.origin[axis] + static_cast<double>(voxels.lo[axis]) * map.resolution;
   }
   const auto to_grid = [&](std::size_t axis, std::int64_t voxel) {
     return static_cast<std::int32_t>((voxel - voxels.lo[axis]) * (std::int64_t{1} << space.unit_shift));

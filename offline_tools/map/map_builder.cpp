@@ -47,7 +47,8 @@ std::vector<BlobBox> build_index(const std::vector<BlobBox>& cells) {
     }
     const std::size_t first = (node + 1 - leaves) * kCellsPerIndexLeaf;
     index[node] = cells[first];
-    for (std::size_t i = first; i < std::min(first + kCellsPerIndexLeaf, cells.size()); ++i) include(index[node], cells[i]);
+    for (std::size_t i = first; i < std::min(first + kCellsPerIndexLeaf, cells.size()); ++i)
+      include(index[node], cells[i]);
   }
   return index;
 }
@@ -99,20 +100,48 @@ std::vector<GridBox> grow_extents(const FreeSpace& space, const std::vector<Grid
 
 using Windows = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// CSR rows of the symmetric relation, each ascending.
-void to_rows(const Windows& windows, std::size_t cell_count, std::vector<std::uint32_t>& offsets,
-             std::vector<std::uint32_t>& neighbours) {
-  offsets.assign(cell_count + 1, 0);
-  for (const auto& [a, b] : windows) {
-    ++offsets[a + 1];
-    ++offsets[b + 1];
+/// LEB128: seven bits a byte, lowest first.
+void put_number(std::uint64_t value, std::vector<std::byte>& bytes) {
+  while (value >= 128) {
+    bytes.push_back(static_cast<std::byte>((value & 127U) | 128U));
+    value >>= 7;
   }
-  for (std::size_t i = 0; i < cell_count; ++i) offsets[i + 1] += offsets[i];
-  neighbours.resize(2 * windows.size());
-  std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
-  // Sorted by (a, b): each row first receives its lower neighbours in order, then the higher ones.
-  for (const auto& [a, b] : windows) neighbours[next[b]++] = a;
-  for (const auto& [a, b] : windows) neighbours[next[a]++] = b;
+  bytes.push_back(static_cast<std::byte>(value));
+}
+
+std::uint64_t to_zigzag(std::int64_t value) {
+  return value < 0 ? 2 * static_cast<std::uint64_t>(-value) - 1 : 2 * static_cast<std::uint64_t>(value);
+}
+
+/// The records of all cells (BlobSection::kRecords) and where each one starts.
+struct Records {
+  std::vector<std::uint32_t> offsets;
+  std::vector<std::byte> bytes;
+};
+
+Records write_records(const std::vector<GridBox>& cells, const std::vector<GridBox>& extents, const Windows& windows) {
+  std::vector<std::vector<std::uint32_t>> rows(cells.size());
+  // Windows are sorted, so each row first receives its lower neighbours in order, then the higher ones.
+  for (const auto& [a, b] : windows) rows[b].push_back(a);
+  for (const auto& [a, b] : windows) rows[a].push_back(b);
+
+  Records records;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    records.offsets.push_back(static_cast<std::uint32_t>(records.bytes.size()));
+    put_number(rows[i].size(), records.bytes);
+    for (std::size_t k = 0; k < rows[i].size(); ++k) {
+      const std::uint64_t number = k == 0 ? to_zigzag(std::int64_t{rows[i][0]} - static_cast<std::int64_t>(i))
+                                          : std::uint64_t{rows[i][k]} - rows[i][k - 1] - 1;
+      put_number(number, records.bytes);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      put_number(static_cast<std::uint64_t>(cells[i].lo[axis] - extents[i].lo[axis]), records.bytes);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      put_number(static_cast<std::uint64_t>(extents[i].hi[axis] - cells[i].hi[axis]), records.bytes);
+    }
+  }
+  return records;
 }
 
 }  // namespace
@@ -130,18 +159,15 @@ Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, con
     size_voxels[axis] = space->free.size()[axis] >> space->unit_shift;
     header.size[axis] = static_cast<std::uint32_t>(space->free.size()[axis]);
   }
-  std::vector<GridBox> cells =
-      options.partition == Partition::kOctree
-          ? octree_leaves(space->free, key)
-          : merged_boxes(space->free, key, [&](double done) { progress("partition", done); });
+  std::vector<GridBox> cells = options.partition == Partition::kOctree
+                                   ? octree_leaves(space->free, key)
+                                   : merged_boxes(space->free, key, [&](double done) { progress("partition", done); });
   order_for_index(cells);
   const std::vector<GridBox> extents = grow_extents(*space, cells, progress);
   progress("connect", 0);
   const Windows windows = find_windows(cells);
   const std::vector<std::uint16_t> labels = label_components(cells, windows, header.component_count);
-  std::vector<std::uint32_t> offsets;
-  std::vector<std::uint32_t> neighbours;
-  to_rows(windows, cells.size(), offsets, neighbours);
+  const Records records = write_records(cells, extents, windows);
 
   const std::vector<BlobBox> blob_cells = to_blob_boxes(cells);
   const std::vector<BlobBox> index = build_index(blob_cells);
@@ -151,7 +177,7 @@ Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, con
   header.unknown_policy = static_cast<std::uint32_t>(options.unknown);
   header.unit_shift = space->unit_shift;
   header.cell_count = static_cast<std::uint32_t>(cells.size());
-  header.neighbour_count = static_cast<std::uint32_t>(neighbours.size());
+  header.neighbour_count = static_cast<std::uint32_t>(2 * windows.size());
   header.index_node_count = static_cast<std::uint32_t>(index.size());
   header.lost_to_inflation = space->lost_to_inflation;
   header.lost_to_unknown = space->lost_to_unknown;
@@ -160,9 +186,8 @@ Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, con
 
   BlobWriter writer;
   writer.append(BlobSection::kCells, blob_cells);
-  writer.append(BlobSection::kExtents, to_blob_boxes(extents));
-  writer.append(BlobSection::kNeighbourOffsets, offsets);
-  writer.append(BlobSection::kNeighbours, neighbours);
+  writer.append(BlobSection::kRecordOffsets, records.offsets);
+  writer.append(BlobSection::kRecords, records.bytes);
   writer.append(BlobSection::kComponents, labels);
   writer.append(BlobSection::kIndex, index);
   writer.append(BlobSection::kObstacles, pack_obstacles(map, space->first_voxel, size_voxels));

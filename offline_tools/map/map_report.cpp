@@ -19,8 +19,9 @@ std::string to_hex(std::span<const std::uint8_t> bytes) {
 }
 
 std::string to_hex(std::uint32_t value) {
-  const std::array<std::uint8_t, 4> bytes{static_cast<std::uint8_t>(value >> 24), static_cast<std::uint8_t>(value >> 16),
-                                          static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+  const std::array<std::uint8_t, 4> bytes{static_cast<std::uint8_t>(value >> 24),
+                                          static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+                                          static_cast<std::uint8_t>(value)};
   return to_hex(bytes);
 }
 
@@ -30,16 +31,19 @@ std::uint64_t units_in(const IntBox& box) {
   return product;
 }
 
-constexpr std::array<const char*, kBlobSectionCount> kSectionNames{
-    "cells", "extents", "neighbour_offsets", "neighbours", "components", "index", "obstacles"};
+constexpr std::array<const char*, kBlobSectionCount> kSectionNames{"cells",      "record_offsets", "records",
+                                                                   "components", "index",          "obstacles"};
 
 }  // namespace
 
 const char* describe(UnknownPolicy policy) {
   switch (policy) {
-    case UnknownPolicy::kAvoid: return "avoid";
-    case UnknownPolicy::kOccupied: return "occupied";
-    case UnknownPolicy::kFree: return "free";
+    case UnknownPolicy::kAvoid:
+      return "avoid";
+    case UnknownPolicy::kOccupied:
+      return "occupied";
+    case UnknownPolicy::kFree:
+      return "free";
   }
   return "?";
 }
@@ -85,7 +89,8 @@ MapReport map_info(const BoxGraphView& view) {
   std::uint64_t largest_cell = 0;
   for (std::size_t i = 0; i < view.cell_count(); ++i) {
     const auto cell = static_cast<CellIndex>(i);
-    if (view.component(cell) != largest - component_units.begin() || units_in(view.cell(cell)) <= largest_cell) continue;
+    if (view.component(cell) != largest - component_units.begin() || units_in(view.cell(cell)) <= largest_cell)
+      continue;
     largest_cell = units_in(view.cell(cell));
     const Box box = view.to_world(view.cell(cell));
     for (std::size_t axis = 0; axis < 3; ++axis) {

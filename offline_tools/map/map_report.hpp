@@ -2,9 +2,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
-
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "swiftlet/box_graph_view.hpp"
 
@@ -25,13 +24,14 @@ struct MapReport {
   std::size_t degree_max = 0;  ///< most windows of one cell
   std::size_t blob_bytes = 0;
   std::array<std::size_t, kBlobSectionCount> section_bytes{};
-  double free_volume = 0;  ///< [m^3]
+  double free_volume = 0;         ///< [m^3]
   double lost_to_inflation = 0;   ///< [m^3] known free space too close to obstacles
   double lost_to_unknown = 0;     ///< [m^3] that policy `free` would leave free and this one does not
   double lost_to_coarsening = 0;  ///< [m^3]
-  double worst_loss = 0;  ///< a free point farther than radius + this from all obstacles is in a cell (before coarsening)
+  double worst_loss =
+      0;  ///< a free point farther than radius + this from all obstacles is in a cell (before coarsening)
   std::size_t components = 0;
-  double largest_component = 0;                  ///< share of the free volume, 0 to 1
+  double largest_component = 0;                     ///< share of the free volume, 0 to 1
   std::array<double, 3> largest_component_point{};  ///< a free point of it; zero without cells
 };
 

@@ -95,7 +95,6 @@ Expected<std::vector<IntBox>> obstacle_boxes(const BoxGraphView& view) {
   const BlobHeader& header = view.header();
   const std::uint32_t longest = *std::max_element(header.size.begin(), header.size.end());
   const std::uint32_t voxels = (longest + (1U << header.unit_shift) - 1) >> header.unit_shift;
-  // The last bytes are padding at most: sections end on multiples of 8 but state their exact length.
   const auto leaves = decode_node_stream(view.obstacles(), root_depth(voxels));
   if (!leaves) return bad_file("the map's obstacle section " + leaves.error() + "; build the map again");
 
@@ -125,10 +124,14 @@ Expected<std::vector<IntBox>> obstacle_boxes(const BoxGraphView& view) {
 
 const char* describe(NotFree reason) {
   switch (reason) {
-    case NotFree::kOutside: return "outside the map";
-    case NotFree::kOccupied: return "occupied";
-    case NotFree::kTooClose: return "too close to an obstacle";
-    case NotFree::kUnknown: return "unknown space";
+    case NotFree::kOutside:
+      return "outside the map";
+    case NotFree::kOccupied:
+      return "occupied";
+    case NotFree::kTooClose:
+      return "too close to an obstacle";
+    case NotFree::kUnknown:
+      return "unknown space";
   }
   return "?";
 }

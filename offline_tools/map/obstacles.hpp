@@ -9,13 +9,13 @@
 
 namespace swiftlet::tools {
 
-/// The occupied voxels of a box of the source map as a .bt node stream (decode_node_stream) of codes 0, 2 and 3, whose root
-/// is the smallest cube of 2^d voxels, d >= 1, from the box's low corner on that covers it; empty without any.
+/// The occupied voxels of a box of the source map as a .bt node stream (decode_node_stream) of codes 0, 2 and 3, whose
+/// root is the smallest cube of 2^d voxels, d >= 1, from the box's low corner on that covers it; empty without any.
 std::vector<std::byte> pack_obstacles(const VoxelMap& map, const std::array<std::int32_t, 3>& first_voxel,
                                       const std::array<std::int32_t, 3>& size);
 
-/// The obstacles of a blob as disjoint boxes [unit], few: neighbours that make a box are joined. The section lies under the
-/// blob's checksum but outside BoxGraphView's validation, so it is checked here; error: exit status 3.
+/// The obstacles of a blob as disjoint boxes [unit], few: neighbours that make a box are joined. The section lies under
+/// the blob's checksum but outside BoxGraphView's validation, so it is checked here; error: exit status 3.
 Expected<std::vector<IntBox>> obstacle_boxes(const BoxGraphView& view);
 
 /// Why a point is in no cell.

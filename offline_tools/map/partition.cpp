@@ -43,8 +43,8 @@ bool grow_face(const BitGrid& free, std::size_t axis, bool high, std::int32_t st
 
 constexpr std::int32_t kLargestStep = 64;  // a word: thicker slabs cost no less a cell
 
-/// Faces of the group in turn, in steps that halve once none of them succeeds: every free cell is looked at once or twice
-/// and a slab along x costs a word operation for up to 64 cells.
+/// Faces of the group in turn, in steps that halve once none of them succeeds: every free cell is looked at once or
+/// twice and a slab along x costs a word operation for up to 64 cells.
 void grow_group(const BitGrid& free, AxisGroup group, GridBox& box) {
   for (std::int32_t step = kLargestStep; step > 0; step /= 2) {
     for (bool grown = true; grown;) {
@@ -108,8 +108,8 @@ struct Candidate {
   }
 };
 
-/// Takes boxes out of a grid until it is empty. Seeds are cubes of a power of two; those of one size are dealt with before
-/// the smaller ones, so large boxes come first without growing one from every leaf.
+/// Takes boxes out of a grid until it is empty. Seeds are cubes of a power of two; those of one size are dealt with
+/// before the smaller ones, so large boxes come first without growing one from every leaf.
 class BoxTaker {
  public:
   explicit BoxTaker(const BitGrid& free) : rest_(free) {}

@@ -29,7 +29,8 @@ struct SmallWorld {
 
 SmallWorld world_of(const std::vector<std::vector<std::string>>& layers, double resolution = 1) {
   SmallWorld world;
-  world.size = {static_cast<int>(layers[0][0].size()), static_cast<int>(layers[0].size()), static_cast<int>(layers.size())};
+  world.size = {static_cast<int>(layers[0][0].size()), static_cast<int>(layers[0].size()),
+                static_cast<int>(layers.size())};
   world.resolution = resolution;
   for (const auto& layer : layers) {
     for (const std::string& row : layer) {
@@ -48,7 +49,8 @@ VoxelMap voxel_map(const SmallWorld& world) {
     for (int y = 0; y < world.size[1]; ++y) {
       for (int x = 0; x < world.size[0]; ++x) {
         if (world.at(x, y, z) == Known::kUnknown) continue;
-        const std::array<std::uint16_t, 3> lo{static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), static_cast<std::uint16_t>(z)};
+        const std::array<std::uint16_t, 3> lo{static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+                                              static_cast<std::uint16_t>(z)};
         map.leaves.push_back({lo, 0, world.at(x, y, z) == Known::kOccupied});
       }
     }
@@ -118,7 +120,10 @@ void expect_exact(const SmallWorld& world, const MapBuildOptions& options) {
       }
     }
   }
-  EXPECT_EQ(view.covered_volume({{0, 0, 0}, {static_cast<std::uint16_t>(size[0]), static_cast<std::uint16_t>(size[1]), static_cast<std::uint16_t>(size[2])}}), free_units);
+  EXPECT_EQ(view.covered_volume({{0, 0, 0},
+                                 {static_cast<std::uint16_t>(size[0]), static_cast<std::uint16_t>(size[1]),
+                                  static_cast<std::uint16_t>(size[2])}}),
+            free_units);
 
   for (std::size_t i = 0; i < view.cell_count(); ++i) {
     const auto cell = static_cast<CellIndex>(i);
@@ -171,13 +176,16 @@ void expect_exact(const SmallWorld& world, const MapBuildOptions& options) {
   EXPECT_EQ(header.component_count, static_cast<std::uint32_t>(floods));
   for (std::size_t i = 0; i < view.cell_count(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      EXPECT_EQ(flood[i] == flood[j], view.component(static_cast<CellIndex>(i)) == view.component(static_cast<CellIndex>(j)));
+      EXPECT_EQ(flood[i] == flood[j],
+                view.component(static_cast<CellIndex>(i)) == view.component(static_cast<CellIndex>(j)));
     }
   }
 }
 
 SmallWorld random_world(std::mt19937& random) {
-  const auto pick = [&random](int lo, int hi) { return lo + static_cast<int>(random() % static_cast<unsigned>(hi - lo + 1)); };
+  const auto pick = [&random](int lo, int hi) {
+    return lo + static_cast<int>(random() % static_cast<unsigned>(hi - lo + 1));
+  };
   SmallWorld world;
   world.size = {pick(1, 9), pick(1, 7), pick(1, 5)};
   constexpr std::array<double, 4> kResolutions{0.05, 0.1, 0.32, 1};
@@ -186,13 +194,16 @@ SmallWorld random_world(std::mt19937& random) {
   const auto unknown = static_cast<unsigned>(random() % 30);
   for (int i = 0; i < world.size[0] * world.size[1] * world.size[2]; ++i) {
     const auto dice = static_cast<unsigned>(random() % 100);
-    world.voxels.push_back(dice < occupied ? Known::kOccupied : dice < occupied + unknown ? Known::kUnknown : Known::kFree);
+    world.voxels.push_back(dice < occupied             ? Known::kOccupied
+                           : dice < occupied + unknown ? Known::kUnknown
+                                                       : Known::kFree);
   }
   return world;
 }
 
 MapBuildOptions random_options(std::mt19937& random, double resolution) {
-  constexpr std::array<double, 9> kRadii{0, 0.2, 0.3, 0.5, 0.75, 1, 1.2, 2, 3};  // voxels; whole numbers hit distances exactly
+  constexpr std::array<double, 9> kRadii{0, 0.2, 0.3, 0.5, 0.75,
+                                         1, 1.2, 2,   3};  // voxels; whole numbers hit distances exactly
   MapBuildOptions options;
   options.radius = kRadii[random() % kRadii.size()] * resolution;
   options.unknown = static_cast<UnknownPolicy>(random() % 3);
@@ -222,7 +233,8 @@ TEST(MapBuilder, RandomPointsOfCellsAndExtentsAreFree) {
       for (int k = 0; k < 4; ++k) {
         Vector3 p;
         for (int axis = 0; axis < 3; ++axis) {
-          p[axis] = box.lo[axis] + (box.hi[axis] - box.lo[axis]) * std::uniform_real_distribution<double>(0.001, 0.999)(random);
+          p[axis] = box.lo[axis] +
+                    (box.hi[axis] - box.lo[axis]) * std::uniform_real_distribution<double>(0.001, 0.999)(random);
         }
         ASSERT_TRUE(is_free(world, options, p, p));
         ASSERT_TRUE(built.view.locate(p).has_value());
@@ -235,7 +247,8 @@ TEST(MapBuilder, RandomPointsOfCellsAndExtentsAreFree) {
     for (int k = 0; k < 50; ++k) {
       Vector3 p;
       for (int axis = 0; axis < 3; ++axis) {
-        p[axis] = world.resolution * world.size[static_cast<std::size_t>(axis)] * std::uniform_real_distribution<double>(0, 1)(random);
+        p[axis] = world.resolution * world.size[static_cast<std::size_t>(axis)] *
+                  std::uniform_real_distribution<double>(0, 1)(random);
       }
       const bool found = built.view.locate(p).has_value();
       EXPECT_LE(is_free(world, wider, p, p), found);
@@ -341,8 +354,8 @@ TEST(MapBuilder, TheReportHasTheFieldsOfTheContract) {
   MapBuildOptions options;
   options.radius = 0.5;
   const auto json = map_report_json(build(world_of({{"....#..."}}), options).map.report);
-  for (const char* key : {"format", "source", "crc32", "resolution_m", "radius_m", "unknown", "bounds", "cells", "windows",
-                          "blob_bytes", "free_m3", "components", "largest_component"}) {
+  for (const char* key : {"format", "source", "crc32", "resolution_m", "radius_m", "unknown", "bounds", "cells",
+                          "windows", "blob_bytes", "free_m3", "components", "largest_component"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_EQ(json["format"], "swiftlet-map/1");

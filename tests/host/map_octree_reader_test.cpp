@@ -53,7 +53,8 @@ TEST(OctreeReader, ReadsEveryKindOfFileToTheSameVoxels) {
 
 TEST(OctreeReader, ReadsLeavesAboveTheLowestLevel) {
   // Child 0 of the root is one occupied leaf, child 7 one free one.
-  const std::string text = "# Octomap OcTree binary file\nid OcTree\nsize 3\nres 1\ndata\n" + std::string("\x02\x40", 2);
+  const std::string text =
+      "# Octomap OcTree binary file\nid OcTree\nsize 3\nres 1\ndata\n" + std::string("\x02\x40", 2);
   const auto map = parse_octree("a.bt", as_bytes(text));
   ASSERT_TRUE(map.has_value()) << map.error().message;
   ASSERT_EQ(map->leaves.size(), 2U);
@@ -110,12 +111,14 @@ TEST(OctreeReader, SaysWhatIsWrongWithAForeignOrDamagedHeader) {
   EXPECT_NE(message("").find("is empty"), std::string::npos);
   EXPECT_NE(message("ply\nformat ascii 1.0\n").find("not an OctoMap file"), std::string::npos);
   EXPECT_NE(message(header("id CountingOcTree\nsize 1\nres 1\n")).find("type CountingOcTree"), std::string::npos);
-  EXPECT_NE(message("# Octomap OcTree binary file\nid ColorOcTree\nsize 1\nres 1\ndata\n").find("ColorOcTree"), std::string::npos);
+  EXPECT_NE(message("# Octomap OcTree binary file\nid ColorOcTree\nsize 1\nres 1\ndata\n").find("ColorOcTree"),
+            std::string::npos);
   EXPECT_NE(message(header("size 1\nres 1\n")).find("no `id`"), std::string::npos);
   EXPECT_NE(message(header("id OcTree\nres 1\n")).find("no `size`"), std::string::npos);
   EXPECT_NE(message(header("id OcTree\nsize 1\n")).find("`res`"), std::string::npos);
   for (const char* res : {"0", "-1", "nan", "inf", "1e300", "1e-300", "x"}) {
-    EXPECT_NE(message(header(std::string("id OcTree\nsize 1\nres ") + res + "\n")).find("`res`"), std::string::npos) << res;
+    EXPECT_NE(message(header(std::string("id OcTree\nsize 1\nres ") + res + "\n")).find("`res`"), std::string::npos)
+        << res;
   }
   EXPECT_NE(message(header("id OcTree\nsize 0\nres 1\n")).find("no voxel"), std::string::npos);
   EXPECT_NE(message("# Octomap OcTree file\nid OcTree\nsize 1\nres 1\n").find("no `data`"), std::string::npos);
@@ -136,11 +139,13 @@ TEST(OctreeReader, CountsTheLeavesOfRealScansAsOctomapDoes) {
   };
   const std::filesystem::path maps = std::filesystem::path(SWIFTLET_SOURCE_DIR) / ".." / "shared" / "maps";
   if (!std::filesystem::exists(maps)) GTEST_SKIP() << maps << " is absent";
-  for (const Expected& expected : {Expected{"geb079/geb079.bt", 143'729, 284'415}, {"power_plant/power_plant.bt", 139'733, 189'072},
+  for (const Expected& expected : {Expected{"geb079/geb079.bt", 143'729, 284'415},
+                                   {"power_plant/power_plant.bt", 139'733, 189'072},
                                    {"rgbd_room/rgbd_room.ot", 54'163, 199'211}}) {
     const auto map = read_octree((maps / expected.path).string());
     ASSERT_TRUE(map.has_value()) << map.error().message;
-    const auto occupied = std::count_if(map->leaves.begin(), map->leaves.end(), [](const VoxelLeaf& l) { return l.occupied; });
+    const auto occupied =
+        std::count_if(map->leaves.begin(), map->leaves.end(), [](const VoxelLeaf& l) { return l.occupied; });
     EXPECT_EQ(occupied, expected.occupied);
     EXPECT_EQ(static_cast<std::ptrdiff_t>(map->leaves.size()) - occupied, expected.free);
   }

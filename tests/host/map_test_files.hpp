@@ -23,7 +23,8 @@ class OctomapFile {
  public:
   OctomapFile(const Voxels& voxels, double resolution, FileKind kind) : kind_(kind) {
     const std::string first = kind == FileKind::kBt ? "# Octomap OcTree binary file" : "# Octomap OcTree file";
-    text_ = first + "\n# a comment\nid " + tree_type(kind) + "\nsize 17\nres " + std::to_string(resolution) + "\ndata\n";
+    text_ =
+        first + "\n# a comment\nid " + tree_type(kind) + "\nsize 17\nres " + std::to_string(resolution) + "\ndata\n";
     if (kind == FileKind::kBt) {
       write_binary(voxels, 15);
     } else {

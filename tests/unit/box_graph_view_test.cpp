@@ -1,11 +1,11 @@
 #include "swiftlet/box_graph_view.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "swiftlet_test.hpp"
 #include "test_blob.hpp"
@@ -80,9 +80,10 @@ TEST(BoxGraphView, ReadsBackWhatWasWritten) {
   const BoxGraphView view = blob.view();
   EXPECT_EQ(view.cell_count(), 4U);
   EXPECT_TRUE(view.cell(CellIndex{1}) == (IntBox{{2, 0, 0}, {4, 2, 4}}));
-  ASSERT_EQ(view.neighbours(CellIndex{1}).size(), 2U);
-  EXPECT_TRUE(view.neighbours(CellIndex{1})[0] == CellIndex{0});
-  EXPECT_TRUE(view.neighbours(CellIndex{1})[1] == CellIndex{2});
+  const auto row = view.neighbours(CellIndex{1});
+  const std::array<CellIndex, 2> expected{CellIndex{0}, CellIndex{2}};
+  EXPECT_EQ(row.size(), 2U);
+  EXPECT_TRUE(std::equal(row.begin(), row.end(), expected.begin(), expected.end()));
   EXPECT_TRUE(view.neighbours(CellIndex{3}).empty());
   EXPECT_EQ(view.component(CellIndex{2}), view.component(CellIndex{0}));
   EXPECT_NE(view.component(CellIndex{3}), view.component(CellIndex{0}));
@@ -91,10 +92,10 @@ TEST(BoxGraphView, ReadsBackWhatWasWritten) {
 }
 
 TEST(BoxGraphView, TheChecksumIsTheOneOfZlib) {
-  // zlib.crc32 of 216 bytes that are zero but for 'swiftlet' at the front, as computed by Python's zlib.
+  // zlib.crc32 of 208 bytes that are zero but for 'swiftlet' at the front, as computed by Python's zlib.
   alignas(8) std::array<std::byte, sizeof(swiftlet::BlobHeader)> bytes{};
   std::memcpy(bytes.data(), "swiftlet", 8);
-  EXPECT_EQ(swiftlet::blob_crc32(bytes), 0xB269CC02U);
+  EXPECT_EQ(swiftlet::blob_crc32(bytes), 0x48EF5805U);
 }
 
 TEST(BoxGraphView, AMapWithoutCellsIsValidAndHoldsNothing) {
@@ -180,39 +181,74 @@ TEST(BoxGraphView, RefusesAHeaderThatContradictsItselfUnderARightChecksum) {
 
 TEST(BoxGraphView, RefusesCellsAndExtentsOutOfPlaceUnderARightChecksum) {
   const auto cell = [](TestBlob& b, std::size_t i) -> BlobBox& { return b.section<BlobBox>(BlobSection::kCells)[i]; };
-  const auto extent = [](TestBlob& b, std::size_t i) -> BlobBox& { return b.section<BlobBox>(BlobSection::kExtents)[i]; };
   expect_inconsistent([&](TestBlob& b) { cell(b, 3).hi[0] = cell(b, 3).lo[0]; });
   expect_inconsistent([&](TestBlob& b) { cell(b, 3).lo[2] = 4; });
-  expect_inconsistent([&](TestBlob& b) { cell(b, 3).hi[1] = extent(b, 3).hi[1] = 5; });
-  expect_inconsistent([&](TestBlob& b) { extent(b, 3).hi[1] = 5; });
-  expect_inconsistent([&](TestBlob& b) { extent(b, 3).lo[1] = 3; });
-  expect_inconsistent([&](TestBlob& b) { extent(b, 0).hi[2] = 1; });
+  expect_inconsistent([&](TestBlob& b) { cell(b, 3).hi[1] = 5; });
+  // The last cell spans (8, 2, 2) to (10, 4, 4) of (10, 4, 4): its extent may grow by 8, 2 and 2 below, by nothing
+  // above.
+  constexpr std::array<std::uint8_t, 6> kRoom{8, 2, 2, 0, 0, 0};
+  for (std::size_t side = 0; side < 6; ++side) {
+    const auto growth = [side](TestBlob& b) -> std::byte& {
+      const auto& records = b.header().sections[static_cast<std::size_t>(BlobSection::kRecords)];
+      return b.section<std::byte>(BlobSection::kRecords)[records.bytes - 6 + side];
+    };
+    TestBlob blob = four_cells();
+    growth(blob) = static_cast<std::byte>(kRoom[side]);
+    blob.seal();
+    EXPECT_EQ(status_of(blob), Status::kOk);
+    expect_inconsistent([&](TestBlob& b) { growth(b) = static_cast<std::byte>(kRoom[side] + 1); });
+  }
+}
+
+TEST(BoxGraphView, ReadsAnExtentThatIsLargerThanItsCell) {
+  TestBlob blob = four_cells();
+  const IntBox extent{{3, 1, 0}, {10, 4, 4}};
+  blob.set_extent(3, extent);
+  ASSERT_EQ(status_of(blob), Status::kOk);
+  EXPECT_TRUE(blob.view().extent(CellIndex{3}) == extent);
+  EXPECT_TRUE(blob.view().extent(CellIndex{1}) == blob.view().cell(CellIndex{1}));
+  TestBlob wide({60'000, 1, 1}, {IntBox{{30'000, 0, 0}, {30'001, 1, 1}}});
+  wide.set_extent(0, {{1, 0, 0}, {60'000, 1, 1}});
+  ASSERT_EQ(status_of(wide), Status::kOk);
+  EXPECT_TRUE(wide.view().extent(CellIndex{0}) == (IntBox{{1, 0, 0}, {60'000, 1, 1}}));
 }
 
 TEST(BoxGraphView, RefusesABrokenAdjacencyUnderARightChecksum) {
-  const auto offset = [](TestBlob& b, std::size_t i) -> std::uint32_t& {
-    return b.section<std::uint32_t>(BlobSection::kNeighbourOffsets)[i];
-  };
-  const auto neighbour = [](TestBlob& b, std::size_t i) -> std::uint32_t& {
-    return b.section<std::uint32_t>(BlobSection::kNeighbours)[i];
-  };
-  // Rows: 0 -> {1}, 1 -> {0, 2}, 2 -> {1}, 3 -> {}.
-  expect_inconsistent([&](TestBlob& b) { offset(b, 0) = 1; });
-  expect_inconsistent([&](TestBlob& b) { offset(b, 4) = 3; });
-  expect_inconsistent([&](TestBlob& b) { offset(b, 2) = 5; });
-  expect_inconsistent([&](TestBlob& b) { offset(b, 2) = 0xFFFFFFFF; });
-  expect_inconsistent([&](TestBlob& b) { neighbour(b, 0) = 4; });
-  expect_inconsistent([&](TestBlob& b) { neighbour(b, 0) = 0; });                     // itself
-  expect_inconsistent([&](TestBlob& b) { neighbour(b, 0) = 3; });                     // shares no window
-  expect_inconsistent([&](TestBlob& b) { neighbour(b, 1) = neighbour(b, 2); });       // twice the same
-  expect_inconsistent([&](TestBlob& b) { std::swap(neighbour(b, 1), neighbour(b, 2)); });
-  expect_inconsistent([&](TestBlob& b) { offset(b, 2) = 2; });                        // 1 -> {0}, 2 -> {2, 1}
-  expect_inconsistent([&](TestBlob& b) {                                              // 2 no longer knows 1
-    offset(b, 3) = offset(b, 2);
-    neighbour(b, 3) = 1;
+  expect_inconsistent([](TestBlob& b) { b.set_adjacent(0, 0, true); });
+  expect_inconsistent([](TestBlob& b) { b.set_adjacent(0, 2, true); });  // shares no window, and only one side says so
+  expect_inconsistent([](TestBlob& b) {
+    b.set_adjacent(0, 3, true);
+    b.set_adjacent(3, 0, true);
   });
+  expect_inconsistent([](TestBlob& b) { b.set_adjacent(0, 1, false); });
+  expect_inconsistent([](TestBlob& b) { b.set_adjacent(1, 0, false); });
+  expect_inconsistent([](TestBlob& b) { b.header().neighbour_count -= 1; });
   expect_inconsistent([](TestBlob& b) { b.section<std::uint16_t>(BlobSection::kComponents)[0] = 3; });
   expect_inconsistent([](TestBlob& b) { b.section<std::uint16_t>(BlobSection::kComponents)[3] = 4; });
+}
+
+TEST(BoxGraphView, RefusesRecordsThatDoNotFollowEachOtherUnderARightChecksum) {
+  // Cell 0: one neighbour, +1, six growths of 0, so 8 bytes; cell 1 starts with 2 neighbours, -1, and a step of 2.
+  const auto byte = [](TestBlob& b, std::size_t i) -> std::byte& {
+    return b.section<std::byte>(BlobSection::kRecords)[i];
+  };
+  for (std::size_t i = 0; i < 4; ++i) {
+    expect_inconsistent([i](TestBlob& b) { b.section<std::uint32_t>(BlobSection::kRecordOffsets)[i] += 1; });
+    expect_inconsistent([i](TestBlob& b) { b.section<std::uint32_t>(BlobSection::kRecordOffsets)[i] = 0xFFFFFFFF; });
+  }
+  expect_inconsistent([&](TestBlob& b) { byte(b, 0) = std::byte{0}; });
+  expect_inconsistent([&](TestBlob& b) { byte(b, 0) = std::byte{2}; });
+  expect_inconsistent([&](TestBlob& b) { byte(b, 0) = std::byte{127}; });
+  expect_inconsistent([&](TestBlob& b) { byte(b, 1) = std::byte{1}; });  // neighbour -1
+  expect_inconsistent([&](TestBlob& b) { byte(b, 1) = std::byte{8}; });  // neighbour 4 of 4 cells
+  expect_inconsistent([&](TestBlob& b) { byte(b, 10) = std::byte{127}; });
+  // A number that never ends, at every place.
+  const std::size_t bytes = four_cells().header().sections[static_cast<std::size_t>(BlobSection::kRecords)].bytes;
+  for (std::size_t first = 0; first < bytes; ++first) {
+    expect_inconsistent([&](TestBlob& b) {
+      for (std::size_t i = first; i < bytes; ++i) byte(b, i) = std::byte{0xFF};
+    });
+  }
 }
 
 TEST(BoxGraphView, RefusesAnIndexThatDoesNotBoundItsCellsUnderARightChecksum) {

@@ -12,8 +12,8 @@
 
 namespace swiftlet::test {
 
-/// A map blob of a few hand-written cells without a heap, so that one test source runs on host and target. Adjacency and
-/// components come from comparing every pair; extents are the cells themselves unless set; the origin is zero.
+/// A map blob of a few hand-written cells without a heap, so that one test source runs on host and target. Adjacency
+/// and components come from comparing every pair; extents are the cells themselves unless set; the origin is zero.
 class TestBlob {
  public:
   static constexpr std::size_t kMaxCells = 32;
@@ -31,11 +31,17 @@ class TestBlob {
       extents_[header_.cell_count] = cell;
       ++header_.cell_count;
     }
+    find_neighbours();
     write();
   }
 
   void set_extent(std::size_t cell, const IntBox& extent) {
     extents_[cell] = extent;
+    write();
+  }
+  /// For tests of the validation: claims or denies a window, in this direction alone.
+  void set_adjacent(std::size_t from, std::size_t to, bool adjacent) {
+    adjacent_[from][to] = adjacent;
     write();
   }
   void set_origin(const std::array<double, 3>& origin) {
@@ -70,24 +76,53 @@ class TestBlob {
     header_.blob_bytes = static_cast<std::uint32_t>((header_.blob_bytes + bytes + 7) / 8 * 8);
   }
 
-  void write() {
-    const std::size_t count = header_.cell_count;
-    std::array<std::uint32_t, kMaxCells + 1> offsets{};
-    std::array<std::uint32_t, kMaxCells * kMaxCells> neighbours{};
-    std::array<std::uint16_t, kMaxCells> labels{};
-    std::uint32_t entries = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      offsets[i] = entries;
-      labels[i] = static_cast<std::uint16_t>(i);
-      for (std::size_t j = 0; j < count; ++j) {
-        if (i != j && shares_window(cells_[i], cells_[j])) neighbours[entries++] = static_cast<std::uint32_t>(j);
+  void put_number(std::uint32_t value) {
+    while (value >= 128) {
+      records_[record_bytes_++] = static_cast<std::byte>((value & 127U) | 128U);
+      value >>= 7;
+    }
+    records_[record_bytes_++] = static_cast<std::byte>(value);
+  }
+
+  void find_neighbours() {
+    for (std::size_t i = 0; i < header_.cell_count; ++i) {
+      for (std::size_t j = 0; j < header_.cell_count; ++j) {
+        adjacent_[i][j] = i != j && shares_window(cells_[i], cells_[j]);
       }
     }
-    offsets[count] = entries;
+  }
+
+  void write() {
+    const std::size_t count = header_.cell_count;
+    std::array<std::uint32_t, kMaxCells> offsets{};
+    std::array<std::uint16_t, kMaxCells> labels{};
+    std::uint32_t entries = 0;
+    record_bytes_ = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      offsets[i] = static_cast<std::uint32_t>(record_bytes_);
+      labels[i] = static_cast<std::uint16_t>(i);
+      std::uint32_t degree = 0;
+      for (std::size_t j = 0; j < count; ++j) degree += adjacent_[i][j] ? 1U : 0U;
+      entries += degree;
+      put_number(degree);
+      std::size_t previous = kMaxCells;
+      for (std::size_t j = 0; j < count; ++j) {
+        if (!adjacent_[i][j]) continue;
+        const std::size_t zigzag = j < i ? 2 * (i - j) - 1 : 2 * (j - i);
+        put_number(static_cast<std::uint32_t>(previous == kMaxCells ? zigzag : j - previous - 1));
+        previous = j;
+      }
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        put_number(static_cast<std::uint32_t>(cells_[i].lo[axis] - extents_[i].lo[axis]));
+      }
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        put_number(static_cast<std::uint32_t>(extents_[i].hi[axis] - cells_[i].hi[axis]));
+      }
+    }
     for (std::size_t round = 0; round < count; ++round) {
       for (std::size_t i = 0; i < count; ++i) {
-        for (std::uint32_t k = offsets[i]; k < offsets[i + 1]; ++k) {
-          labels[i] = std::min(labels[i], labels[neighbours[k]]);
+        for (std::size_t j = 0; j < count; ++j) {
+          if (adjacent_[i][j]) labels[i] = std::min(labels[i], labels[j]);
         }
       }
     }
@@ -122,9 +157,8 @@ class TestBlob {
     header_.component_count = static_cast<std::uint32_t>(count);
     header_.blob_bytes = sizeof(BlobHeader);
     append(BlobSection::kCells, cells_.data(), count);
-    append(BlobSection::kExtents, extents_.data(), count);
-    append(BlobSection::kNeighbourOffsets, offsets.data(), count + 1);
-    append(BlobSection::kNeighbours, neighbours.data(), entries);
+    append(BlobSection::kRecordOffsets, offsets.data(), count);
+    append(BlobSection::kRecords, records_.data(), record_bytes_);
     append(BlobSection::kComponents, labels.data(), count);
     append(BlobSection::kIndex, index.data(), nodes);
     append(BlobSection::kObstacles, index.data(), 0);
@@ -135,6 +169,9 @@ class TestBlob {
   BlobHeader header_{};
   std::array<IntBox, kMaxCells> cells_{};
   std::array<IntBox, kMaxCells> extents_{};
+  std::array<std::array<bool, kMaxCells>, kMaxCells> adjacent_{};
+  std::array<std::byte, 4096> records_{};  // at most 2 bytes a neighbour and 3 a growth here
+  std::size_t record_bytes_ = 0;
   alignas(8) std::array<std::byte, kMaxBytes> bytes_{};
 };
 

@@ -16,14 +16,16 @@ inline constexpr std::size_t kCellsPerIndexLeaf = 8;
 enum class UnknownPolicy : std::uint32_t { kAvoid = 0, kOccupied = 1, kFree = 2 };
 
 enum class BlobSection : std::uint32_t {
-  kCells,             ///< BlobBox x cell_count: disjoint cells
-  kExtents,           ///< BlobBox x cell_count: the extent of each cell
-  kNeighbourOffsets,  ///< u32 x (cell_count + 1): CSR row starts into kNeighbours
-  kNeighbours,        ///< u32 x neighbour_count: cells that share a window, ascending in each row, symmetric
-  kComponents,        ///< u16 x cell_count: component label
-  kIndex,             ///< BlobBox x index_node_count: bounds, a binary tree in heap order (children 2i + 1 and 2i + 2);
-                      ///< node i >= L - 1 is a leaf and holds the kCellsPerIndexLeaf cells from (i - (L - 1)) * 8 on
-  kObstacles,         ///< bytes: the occupied voxels, packed; for the offline tools alone, may be empty
+  kCells,          ///< BlobBox x cell_count: disjoint cells
+  kRecordOffsets,  ///< u32 x cell_count: where each cell's record starts in kRecords; they follow each other without
+                   ///< gaps
+  kRecords,        ///< bytes, one record a cell: its neighbours and its extent, all numbers in LEB128 (7 bits a byte):
+             ///< neighbour count n; when n > 0 the first neighbour minus the cell, zigzag-coded; n - 1 times the step
+             ///< to the next neighbour minus one; six growths [unit] from cell to extent: below x, y, z, above x, y, z
+  kComponents,  ///< u16 x cell_count: component label
+  kIndex,       ///< BlobBox x index_node_count: bounds, a binary tree in heap order (children 2i + 1 and 2i + 2);
+                ///< node i >= L - 1 is a leaf and holds the kCellsPerIndexLeaf cells from (i - (L - 1)) * 8 on
+  kObstacles,   ///< bytes: the occupied voxels, packed; for the offline tools alone, may be empty
   kCount,
 };
 inline constexpr std::size_t kBlobSectionCount = static_cast<std::size_t>(BlobSection::kCount);
@@ -43,21 +45,21 @@ struct BlobHeader {
   std::array<char, 8> magic;
   std::uint32_t byte_order;
   std::uint32_t version;
-  std::uint32_t crc32;       ///< zlib's CRC-32 over the whole blob with this field zero
-  std::uint32_t blob_bytes;  ///< size of the whole blob
-  double resolution;         ///< [m] edge of a voxel of the source map
-  std::array<double, 3> origin;  ///< [m] frame W: low corner of the mapped box
-  double radius;                 ///< [m] inflation radius
-  std::uint32_t unknown_policy;  ///< UnknownPolicy
-  std::uint32_t unit_shift;      ///< unit = resolution / 2^unit_shift, 0 to 8
+  std::uint32_t crc32;                ///< zlib's CRC-32 over the whole blob with this field zero
+  std::uint32_t blob_bytes;           ///< size of the whole blob
+  double resolution;                  ///< [m] edge of a voxel of the source map
+  std::array<double, 3> origin;       ///< [m] frame W: low corner of the mapped box
+  double radius;                      ///< [m] inflation radius
+  std::uint32_t unknown_policy;       ///< UnknownPolicy
+  std::uint32_t unit_shift;           ///< unit = resolution / 2^unit_shift, 0 to 8
   std::array<std::uint32_t, 3> size;  ///< [unit] the map spans 0 to size on each axis, at most 65,535
   std::uint32_t cell_count;
   std::uint32_t neighbour_count;   ///< directed: twice the number of windows
   std::uint32_t index_node_count;  ///< 2 L - 1 with L = ceil(cell_count / kCellsPerIndexLeaf); 0 without cells
   std::uint32_t component_count;
-  std::uint32_t reserved;                      ///< zero
-  /// [unit^3] Known free space that the inflation blocks; space that policy `free` would leave free and this one does not;
-  /// space dropped by coarsening. For reports.
+  std::uint32_t reserved;  ///< zero
+  /// [unit^3] Known free space that the inflation blocks; space that policy `free` would leave free and this one does
+  /// not; space dropped by coarsening. For reports.
   std::uint64_t lost_to_inflation;
   std::uint64_t lost_to_unknown;
   std::uint64_t lost_to_coarsening;
@@ -66,6 +68,6 @@ struct BlobHeader {
 };
 
 static_assert(sizeof(BlobBox) == 12 && alignof(BlobBox) == 2);
-static_assert(sizeof(BlobHeader) == 216 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
+static_assert(sizeof(BlobHeader) == 208 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
 
 }  // namespace swiftlet

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <span>
 
@@ -13,6 +14,45 @@ namespace swiftlet {
 /// zlib's CRC-32 over a blob of at least a header's size, with its own field taken as zero.
 std::uint32_t blob_crc32(std::span<const std::byte> blob);
 
+/// The neighbours of one cell, ascending, decoded while they are walked over. Lives as long as the blob.
+class NeighbourRange {
+ public:
+  class Iterator {
+   public:
+    using iterator_category = std::forward_iterator_tag;
+    using value_type = CellIndex;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const CellIndex*;
+    using reference = CellIndex;
+
+    Iterator() = default;
+    CellIndex operator*() const { return static_cast<CellIndex>(value_); }
+    Iterator& operator++();
+    Iterator operator++(int) {
+      const Iterator before = *this;
+      ++*this;
+      return before;
+    }
+    /// Iterators of the same range are equal when as many neighbours remain.
+    friend bool operator==(const Iterator& a, const Iterator& b) { return a.remaining_ == b.remaining_; }
+
+   private:
+    friend class NeighbourRange;
+    const std::byte* at_ = nullptr;  ///< behind the last number read
+    std::uint32_t remaining_ = 0;    ///< including the current one
+    std::uint32_t value_ = 0;
+  };
+
+  NeighbourRange(CellIndex cell, const std::byte* record);
+  [[nodiscard]] Iterator begin() const { return begin_; }
+  [[nodiscard]] Iterator end() const { return {}; }
+  [[nodiscard]] std::size_t size() const { return begin_.remaining_; }
+  [[nodiscard]] bool empty() const { return size() == 0; }
+
+ private:
+  Iterator begin_;
+};
+
 /// Read-only view of a map blob (docs/map_format.md), read in place: flash, mmap or any 8-byte aligned memory that
 /// outlives the view. A view exists only if its blob was valid, so every accessor is plain and cannot leave the blob.
 class BoxGraphView {
@@ -22,7 +62,7 @@ class BoxGraphView {
 
   /// Validates size, header, CRC and every index, once: after it no call can leave the blob or loop without end. That
   /// cells are disjoint and free is the builder's promise (`swiftlet map verify`), not checked here. `blob` starts at
-  /// the header and may be longer than the blob, as a flash sector is. Cost: one pass, O(log degree) a neighbour.
+  /// the header and may be longer than the blob, as a flash sector is. Cost: one pass over the blob.
   /// Errors: kBadRequest (not 8-byte aligned), kBlobTruncated, kBlobWrongMagic, kBlobWrongByteOrder, kBlobWrongVersion,
   /// kBlobDamaged, kBlobInconsistent.
   static Result<BoxGraphView> open(std::span<const std::byte> blob);
@@ -33,10 +73,11 @@ class BoxGraphView {
 
   /// The cell itself: cells are disjoint but for their faces.
   [[nodiscard]] IntBox cell(CellIndex cell) const;
-  /// The free box grown around the cell; contains it. Extents overlap.
+  /// The free box grown around the cell; contains it. Extents overlap. Cost O(number of neighbours): for corridors, not
+  /// for searching.
   [[nodiscard]] IntBox extent(CellIndex cell) const;
   /// Cells that share a window with `cell`, ascending.
-  [[nodiscard]] std::span<const CellIndex> neighbours(CellIndex cell) const;
+  [[nodiscard]] NeighbourRange neighbours(CellIndex cell) const { return {cell, record(cell)}; }
   /// Label of the connected component of free space; two cells with different labels are not connected.
   [[nodiscard]] std::uint16_t component(CellIndex cell) const;
 
@@ -69,9 +110,12 @@ class BoxGraphView {
   [[nodiscard]] Real coordinate(std::size_t axis, std::uint16_t i) const {
     return static_cast<Real>(header_->origin[axis] + unit_ * i);
   }
+  [[nodiscard]] const std::byte* record(CellIndex cell) const;
   template <typename T>
   [[nodiscard]] std::span<const T> section(BlobSection section) const;
-  [[nodiscard]] Status validate() const;
+  [[nodiscard]] bool cells_consistent() const;
+  [[nodiscard]] bool records_consistent() const;
+  [[nodiscard]] bool index_consistent() const;
 
   const BlobHeader* header_ = nullptr;
   double unit_ = 0;
