@@ -17,10 +17,6 @@ constexpr std::array<std::array<Real, 6>, 3> kJerkRows{{
     {-12 * kSqrt5, -6 * kSqrt5, -kSqrt5, 12 * kSqrt5, -6 * kSqrt5, kSqrt5},
 }};
 
-Real junction_scale(const AxisProblem& problem, std::size_t junction) {
-  return std::sqrt(problem.durations[junction] * problem.durations[junction + 1]);
-}
-
 Real gate_middle(const AxisProblem& problem, std::size_t junction) {
   return (problem.gate_lo(junction) + problem.gate_hi(junction)) / 2;
 }
@@ -32,7 +28,7 @@ std::array<Real, 3> normalised(const std::array<Real, 3>& state, Real T) {
 
 /// Factors that turn the unknowns of a junction into normalised end states of a segment of duration T.
 std::array<Real, 3> end_scales(const AxisProblem& problem, std::size_t junction, Real T) {
-  const Real ratio = T / junction_scale(problem, junction);
+  const Real ratio = T / problem.scales[junction];
   return {1, ratio, ratio * ratio};
 }
 
@@ -157,6 +153,10 @@ void eliminate_junction(const AxisProblem& problem, std::size_t k, RowStack& sta
 }
 
 }  // namespace
+
+void junction_scales(std::span<const Real> durations, std::span<Real> scales) {
+  for (std::size_t k = 0; k + 1 < durations.size(); ++k) scales[k] = std::sqrt(durations[k] * durations[k + 1]);
+}
 
 void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum) {
   const std::size_t junctions = problem.segment_count() - 1;

@@ -66,13 +66,15 @@ QpRow bound_row(const AxisBounds& bounds, const RowPlace& at) {
   return row;
 }
 
-AxisBounds axis_bounds(const TrajectoryProblem& problem, std::size_t axis, const Margins& margins) {
+AxisBounds axis_bounds(const TrajectoryProblem& problem, std::span<const Real> scales, std::size_t axis,
+                       const Margins& margins) {
   const auto row = static_cast<Eigen::Index>(axis);
   const Real reference = problem.boxes[0].lo[row];
   AxisBounds bounds{&problem, {}, margins};
   bounds.axis = {
       axis,
       problem.durations,
+      scales,
       problem.gates,
       {problem.start.position[row] - reference, problem.start.velocity[row], problem.start.acceleration[row]},
       {problem.goal.position[row] - reference, problem.goal.velocity[row], problem.goal.acceleration[row]},
@@ -122,31 +124,24 @@ class SegmentSweep {
       : bounds_(bounds), segment_(segment), ends_(segment_ends(bounds.axis, segment, unknowns)) {}
 
   Violation worst() {
+    // Control points of the derivatives by differences. Inside its bounds they prove that no extremum violates: the
+    // cheap reject that most segments take.
+    std::array<Real, 6> points = quintic_control_points(ends_);
+    const Real T = bounds_.axis.durations[segment_];
+    std::size_t count = points.size();
     for (int derivative = 0; derivative <= 2; ++derivative) {
-      if (!hull_is_inside(derivative)) check_extrema(derivative);
+      const Real lo = bounds_.lower(segment_, derivative);
+      const Real hi = bounds_.upper(segment_, derivative);
+      bool inside = true;
+      for (std::size_t i = 0; i < count; ++i) inside = inside && points[i] >= lo && points[i] <= hi;
+      if (!inside) check_extrema(derivative);
+      const Real factor = static_cast<Real>(--count) / T;
+      for (std::size_t i = 0; i < count; ++i) points[i] = factor * (points[i + 1] - points[i]);
     }
     return worst_;
   }
 
  private:
-  /// Cheap reject: the Bernstein control points of the derivative lie inside its bounds, so the derivative does.
-  [[nodiscard]] bool hull_is_inside(int derivative) const {
-    std::array<Real, 6> points = quintic_control_points(ends_);
-    const Real T = bounds_.axis.durations[segment_];
-    for (int d = 0; d < derivative; ++d) {
-      const Real factor = static_cast<Real>(5 - d) / T;
-      for (std::size_t i = 0; i + static_cast<std::size_t>(d) + 1 < points.size(); ++i) {
-        points[i] = factor * (points[i + 1] - points[i]);
-      }
-    }
-    const Real lo = bounds_.lower(segment_, derivative);
-    const Real hi = bounds_.upper(segment_, derivative);
-    for (std::size_t i = 0; i + static_cast<std::size_t>(derivative) < points.size(); ++i) {
-      if (!(points[i] >= lo && points[i] <= hi)) return false;
-    }
-    return true;
-  }
-
   void check_extrema(int derivative) {
     const Quintic quintic = quintic_from_ends(ends_);
     const CriticalPoints inner = critical_points(quintic, derivative);
@@ -387,13 +382,15 @@ Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpa
   if (problem.boxes.size() > spans.violations.size()) return Status::kCorridorCapacity;
   report = {};
   std::fill(gradient.begin(), gradient.end(), Real(0));
+  const std::span<Real> scales = spans.scales.first(problem.gates.size());
+  junction_scales(problem.durations, scales);
   const Margins& margins = problem.margins;
   const bool has_margins = margins.position > 0 || margins.velocity > 0 || margins.acceleration > 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Status status = solve_axis(axis_bounds(problem, axis, margins), spans, segments, report, warm, gradient);
+    Status status = solve_axis(axis_bounds(problem, scales, axis, margins), spans, segments, report, warm, gradient);
     if (status != Status::kOk && has_margins) {
       // Only without margins is every generated row necessary, and so infeasibility proven.
-      status = solve_axis(axis_bounds(problem, axis, Margins{}), spans, segments, report, warm, gradient);
+      status = solve_axis(axis_bounds(problem, scales, axis, Margins{}), spans, segments, report, warm, gradient);
     }
     if (status != Status::kOk) return status;
   }

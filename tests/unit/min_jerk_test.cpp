@@ -14,6 +14,7 @@ constexpr std::size_t kUnknowns = kBlockSize * (kSegments - 1);
 /// Gates of +-100 m (or thin ones) under random durations and end states.
 struct Chain {
   std::array<Real, kSegments> durations{};
+  std::array<Real, kSegments - 1> scales{};
   std::array<Box, kSegments - 1> gates;
   AxisProblem problem;
   std::array<FactorBlock, kSegments - 1> factor{};
@@ -27,8 +28,10 @@ struct Chain {
       const Real half = pin_some && k % 2 == 1 ? Real(0) : Real(100);
       gates[k] = {Vector3::Constant(middle - half), Vector3::Constant(middle + half)};
     }
-    problem = {1, durations, gates, {0, random.uniform(-1, 1), random.uniform(-1, 1)}, {3, 0, random.uniform(-1, 1)},
-               0};
+    junction_scales(durations, scales);
+    problem = {
+        1, durations, scales, gates, {0, random.uniform(-1, 1), random.uniform(-1, 1)}, {3, 0, random.uniform(-1, 1)},
+        0};
     factor_jerk_cost(problem, factor, optimum);
   }
 

@@ -15,6 +15,7 @@ namespace swiftlet {
 struct AxisProblem {
   std::size_t axis = 0;
   std::span<const Real> durations;  ///< M [s]
+  std::span<const Real> scales;     ///< M - 1 [s]: h_k, as junction_scales fills them
   std::span<const Box> gates;       ///< M - 1 [m], frame W
   std::array<Real, 3> start{};      ///< p - reference [m], v [m/s], a [m/s^2]
   std::array<Real, 3> goal{};
@@ -24,6 +25,9 @@ struct AxisProblem {
   [[nodiscard]] Real gate_lo(std::size_t k) const { return gates[k].lo[static_cast<Eigen::Index>(axis)] - reference; }
   [[nodiscard]] Real gate_hi(std::size_t k) const { return gates[k].hi[static_cast<Eigen::Index>(axis)] - reference; }
 };
+
+/// h_k = sqrt(T_k T_{k+1}) for the M - 1 junctions between M durations.
+void junction_scales(std::span<const Real> durations, std::span<Real> scales);
 
 /// A gate this thin on an axis pins the junction to its middle [m].
 inline constexpr Real kThinGate = Real(1e-9);

@@ -22,7 +22,7 @@ template <std::size_t kSegments>
 class TrajectoryStorage {
  public:
   TrajectorySpans spans() {
-    return {{factor_, optimum_, solution_, work_, rows_, multipliers_, target_, gram_factor_}, violations_};
+    return {{factor_, optimum_, solution_, work_, rows_, multipliers_, target_, gram_factor_}, scales_, violations_};
   }
 
  private:
@@ -36,6 +36,7 @@ class TrajectoryStorage {
   std::array<Real, kActive> multipliers_;
   std::array<Real, kActive> target_;
   std::array<Real, kActive*(kActive + 1) / 2> gram_factor_;
+  std::array<Real, kSegments> scales_;
   std::array<Violation, kSegments> violations_;
 };
 

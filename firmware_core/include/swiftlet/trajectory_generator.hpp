@@ -67,6 +67,7 @@ struct Violation {
 /// Work space of the generator for up to M segments; see storage.hpp.
 struct TrajectorySpans {
   QpSpans qp;                       ///< M - 1 blocks
+  std::span<Real> scales;           ///< M - 1 [s]
   std::span<Violation> violations;  ///< M
 };
 
