@@ -1,0 +1,183 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/arguments.hpp"
+#include "cli/commands.hpp"
+#include "cli/json.hpp"
+#include "cli/map_file.hpp"
+#include "cli/output.hpp"
+#include "map/map_builder.hpp"
+#include "map/map_report.hpp"
+#include "map/voxel_map.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+constexpr double kLargestRadius = 100;  // [m]
+constexpr std::uint64_t kLargestCoarsening = 256;
+constexpr double kGoodShare = 0.9;  // of the free space in the largest component
+
+struct BuildCommand {
+  std::string in;
+  std::string out;
+  std::string json;
+  std::string unknown = "avoid";
+  std::string partition = "boxes";
+  std::uint64_t coarsen = 1;
+  MapBuildOptions build;
+};
+
+struct InfoCommand {
+  std::string map;
+  std::string json;
+};
+
+/// One line that is written over, on a terminal; nothing elsewhere.
+class ProgressLine {
+ public:
+  ~ProgressLine() {
+    if (shown_) std::fprintf(stderr, "\r\033[K");
+  }
+  void show(std::string_view stage, double done) {
+    const int percent = static_cast<int>(100 * std::clamp(done, 0.0, 1.0));
+    if (!terminal_ || (stage == stage_ && percent == percent_)) return;
+    stage_ = stage;
+    percent_ = percent;
+    shown_ = true;
+    std::fprintf(stderr, "\r\033[K%s %d %%", stage_.c_str(), percent);
+    std::fflush(stderr);
+  }
+
+ private:
+  bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  std::string stage_;
+  int percent_ = 0;
+};
+
+void print_row(const char* name, const std::string& value) { std::fprintf(stderr, "%-14s %s\n", name, value.c_str()); }
+
+/// What the other policies would change, when the free space falls into pieces.
+std::string advice_on_pieces(const MapReport& report) {
+  const std::string pieces = "under 90 % of the free space hangs together";
+  if (report.unknown != UnknownPolicy::kFree && report.lost_to_unknown > 0) {
+    return pieces + "; '--unknown free' gives back " + to_text(report.lost_to_unknown, 1) +
+           " m^3 where unseen space is safe";
+  }
+  return pieces + "; a smaller --radius connects more";
+}
+
+/// The short table for people.
+void print_report(const MapReport& report) {
+  const auto& b = report.bounds;
+  const auto& p = report.largest_component_point;
+  print_row("source", report.source);
+  print_row("bounds", "(" + to_text({b[0], b[1], b[2]}) + ") to (" + to_text({b[3], b[4], b[5]}) + ") m");
+  print_row("resolution", to_text(report.resolution, 3) + " m, stored in steps of " + to_text(report.unit, 4) + " m");
+  print_row("vehicle", "radius " + to_text(report.radius, 3) + " m, unknown space: " + describe(report.unknown));
+  print_row("cells", std::to_string(report.cells) + ", joined by " + std::to_string(report.windows) + " windows");
+  print_row("blob", std::to_string(report.blob_bytes) + " bytes, crc32 " + report.crc32);
+  print_row("free", to_text(report.free_volume, 2) + " m^3; lost " + to_text(report.lost_to_inflation, 2) +
+                        " to inflation, " + to_text(report.lost_to_unknown, 2) + " to unknown space, " +
+                        to_text(report.lost_to_coarsening, 2) + " to coarsening");
+  print_row("components", std::to_string(report.components));
+  if (report.cells == 0) return print_row("note", "nothing is free; a smaller --radius or another --unknown may help");
+  print_row("largest", to_text(100 * report.largest_component, 1) + " % of the free space, around (" +
+                           to_text({p[0], p[1], p[2]}) + ")");
+  if (report.largest_component < kGoodShare) print_row("note", advice_on_pieces(report));
+}
+
+ExitStatus run_build(const BuildCommand& command) {
+  check_outputs({command.out, command.json}, {command.in});
+  ProgressLine line;
+  const Progress progress = [&](std::string_view stage, double done) { line.show(stage, done); };
+  progress("read", 0);
+  const VoxelMap source = unwrap(read_octree(command.in));
+  const BuiltMap built = unwrap(build_map(source, command.in, command.build, progress));
+  write_output(command.out, {reinterpret_cast<const char*>(built.blob.data()), built.blob.size()});
+  write_output(command.json, dump(map_report_json(built.report)) + '\n');
+  line.show("written", 1);
+  print_report(built.report);
+  return ExitStatus::kDone;
+}
+
+ExitStatus run_info(const InfoCommand& command) {
+  check_outputs({command.json}, {command.map});
+  const MapFile map = load_map(command.map);
+  const MapReport report = map_info(map.graph);
+  write_output(command.json, dump(map_report_json(report)) + '\n');
+  print_report(report);
+  return ExitStatus::kDone;
+}
+
+std::array<double, 6> parse_bounds(const std::string& text) {
+  const std::vector<std::string_view> pieces = split_at_commas(text);
+  std::array<double, 6> bounds{};
+  bool usable = pieces.size() == bounds.size();
+  for (std::size_t i = 0; usable && i < bounds.size(); ++i) {
+    const std::optional<double> number = parse_number(pieces[i]);
+    usable = number && std::isfinite(*number);
+    bounds[i] = number.value_or(0);
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) usable = usable && bounds[axis] < bounds[axis + 3];
+  if (!usable) throw CLI::ValidationError("--bounds", "'" + text + "' is not x0,y0,z0,x1,y1,z1 with low below high");
+  return bounds;
+}
+
+void apply_choices(BuildCommand& command) {
+  command.build.unknown = command.unknown == "avoid"      ? UnknownPolicy::kAvoid
+                          : command.unknown == "occupied" ? UnknownPolicy::kOccupied
+                                                          : UnknownPolicy::kFree;
+  command.build.partition = command.partition == "boxes" ? Partition::kBoxes : Partition::kOctree;
+  command.build.coarsen = static_cast<int>(command.coarsen);
+}
+
+void add_build_command(CLI::App& map, Command& chosen) {
+  CLI::App* app = add_subcommand(map, "build", "Flatten an OctoMap into a map that fits on a board");
+  const auto command = std::make_shared<BuildCommand>();
+  app->add_option("input", command->in, "OctoMap (.bt, .ot)")->required();
+  app->add_option("-o,--out", command->out, "Map to write")->required();
+  add_number(*app, "--radius", command->build.radius, {0, kLargestRadius}, "Radius of the vehicle [m]")->required();
+  add_choice(*app, "--unknown", command->unknown, {"avoid", "occupied", "free"}, "What to do with unseen space");
+  add_choice(*app, "--partition", command->partition, {"boxes", "octree"},
+             "Merged boxes, or the paper's octree leaves");
+  app->add_option_function<std::string>(
+         "--bounds", [command](const std::string& text) { command->build.bounds = parse_bounds(text); },
+         "Map only what lies inside [m]")
+      ->type_name("x0,y0,z0,x1,y1,z1");
+  add_count(*app, "--coarsen", command->coarsen, 1, kLargestCoarsening,
+            "Keep only whole free blocks of so many voxels");
+  app->add_option("--json", command->json, "swiftlet-map/1 report to write; - is standard output");
+  app->callback([command, &chosen] {
+    apply_choices(*command);
+    chosen = [command] { return run_build(*command); };
+  });
+}
+
+void add_info_command(CLI::App& map, Command& chosen) {
+  CLI::App* app = add_subcommand(map, "info", "Say what a map holds");
+  const auto command = std::make_shared<InfoCommand>();
+  app->add_option("map", command->map, "Map made by 'swiftlet map build'")->required();
+  app->add_option("--json", command->json, "swiftlet-map/1 report to write; - is standard output");
+  app->callback([command, &chosen] { chosen = [command] { return run_info(*command); }; });
+}
+
+}  // namespace
+
+void add_map_commands(CLI::App& app, Command& chosen) {
+  CLI::App* map = add_subcommand(app, "map", "Make maps and look at them");
+  add_build_command(*map, chosen);
+  add_info_command(*map, chosen);
+}
+
+}  // namespace swiftlet::tools

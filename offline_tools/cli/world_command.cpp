@@ -1,0 +1,56 @@
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "cli/arguments.hpp"
+#include "cli/commands.hpp"
+#include "cli/output.hpp"
+#include "world/worlds.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+constexpr std::size_t kQueryCount = 100;
+
+struct WorldOptions {
+  std::string kind;
+  std::uint64_t seed = 0;
+  std::string out;
+  std::string query;
+};
+
+World make_world(const WorldOptions& options) {
+  if (options.kind == "maze") return make_maze(options.seed);
+  if (options.kind == "classroom") return make_classroom(options.seed);
+  if (options.kind == "office" || options.kind == "forest") {
+    throw Failure{ExitStatus::kUsage,
+                  "world " + options.kind + " comes with a later version; maze and classroom exist"};
+  }
+  throw Failure{ExitStatus::kUsage, "there is no world '" + options.kind + "'; maze and classroom exist"};
+}
+
+ExitStatus run_world(const WorldOptions& options) {
+  check_outputs({options.out, options.query}, {});
+  const World world = make_world(options);
+  write_output(options.out, to_bt(world.grid));
+  if (!options.query.empty()) {
+    write_output(options.query, queries_csv(world, make_queries(world, options.seed, kQueryCount)));
+  }
+  return ExitStatus::kDone;
+}
+
+}  // namespace
+
+void add_world_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = add_subcommand(app, "world", "Write a generated world as an OctoMap");
+  const auto options = std::make_shared<WorldOptions>();
+  command->add_option("kind", options->kind, "maze or classroom")->required();
+  add_count(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(), "Same seed, same bytes")
+      ->required();
+  command->add_option("-o,--out", options->out, "OctoMap to write (.bt)")->required();
+  command->add_option("--query", options->query, "CSV of 100 connected start and goal pairs to write");
+  command->callback([options, &chosen] { chosen = [options] { return run_world(*options); }; });
+}
+
+}  // namespace swiftlet::tools
