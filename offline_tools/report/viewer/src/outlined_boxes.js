@@ -1,7 +1,7 @@
-import { BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial } from 'three';
+import { BufferAttribute, BufferGeometry, DoubleSide, GreaterDepth, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial } from 'three';
 import { style_colour } from './colours.js';
 
-// A few translucent boxes with their edges: corridor, gates. Corners are numbered by bits x=1, y=2, z=4.
+// A few translucent boxes with their edges, which shimmer through what hides them. Corners are numbered by bits x=1, y=2, z=4.
 
 const kEdges = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7];
 const kFaces = [0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5];
@@ -28,13 +28,12 @@ export function outlined_boxes(boxes, { colour, face_opacity, edge_opacity }) {
   const positions = corner_positions(boxes);
   const faces = new MeshBasicMaterial({ transparent: true, opacity: face_opacity, depthWrite: false, side: DoubleSide });
   const edges = new LineBasicMaterial({ transparent: true, opacity: edge_opacity, depthWrite: false });
-  const object = new Group().add(new Mesh(indexed(positions, boxes.length, kFaces), faces),
-                                 new LineSegments(indexed(positions, boxes.length, kEdges), edges));
+  const hidden = new LineBasicMaterial({ transparent: true, opacity: edge_opacity / 4, depthFunc: GreaterDepth, depthWrite: false });
+  const outline = indexed(positions, boxes.length, kEdges);
+  const object = new Group().add(new Mesh(indexed(positions, boxes.length, kFaces), faces), new LineSegments(outline, edges),
+                                 new LineSegments(outline, hidden));
   return {
     object,
-    recolour() {
-      faces.color.set(style_colour(colour));
-      edges.color.set(style_colour(colour));
-    },
+    recolour: () => [faces, edges, hidden].forEach((material) => material.color.set(style_colour(colour))),
   };
 }

@@ -82,7 +82,7 @@ function tube_geometry(samples, top_speed) {
 export function path_tube(samples, { radius, top_speed }) {
   const geometry = tube_geometry(samples, top_speed);
   const tube = new Mesh(geometry, tube_material(radius, 1, {}));
-  const hidden = new Mesh(geometry, tube_material(radius, 0.32, { transparent: true, depthFunc: GreaterDepth, depthWrite: false }));
+  const hidden = new Mesh(geometry, tube_material(radius, 0.5, { transparent: true, depthFunc: GreaterDepth, depthWrite: false }));
   tube.frustumCulled = hidden.frustumCulled = false;
   hidden.renderOrder = 1;
   return { object: new Group().add(tube, hidden) };

@@ -88,11 +88,23 @@ function top_speed(plan, trajectory) {
       : Math.max(1e-3, ...trajectory.samples(300).map((sample) => norm(sample.velocity)));
 }
 
+/// A box that holds several segments is repeated, and the gate between the two is the box itself: each is drawn once.
+function distinct_boxes(plan) {
+  const same = (a, b) => a && b && a.every((value, i) => value === b[i]);
+  const corridor = plan.corridor ?? [];
+  const gates = plan.gates ?? [];
+  return {
+    boxes: corridor.filter((box, i) => !same(box, corridor[i - 1])),
+    gates: gates.filter((gate, i) => !same(corridor[i], corridor[i + 1])),
+  };
+}
+
 function layers_of(plan, obstacles, trajectory) {
+  const { boxes, gates } = distinct_boxes(plan);
   return [
     obstacles && { name: 'obstacles', text: 'Obstacles', colour: 'var(--solid-high)', on: true },
-    plan.corridor && { name: 'corridor', text: 'Corridor', colour: 'var(--corridor)', on: true },
-    plan.gates?.length && { name: 'gates', text: 'Gates', colour: 'var(--gate)', on: true },
+    boxes.length && { name: 'corridor', text: 'Corridor', colour: 'var(--corridor)', on: true },
+    gates.length && { name: 'gates', text: 'Gates', colour: 'var(--gate)', on: true },
     trajectory && { name: 'path', text: 'Path', colour: kSpeedGradient, on: true },
     { name: 'rulers', text: 'Rulers', colour: 'var(--ruler)', on: true },
   ].filter(Boolean);
@@ -101,8 +113,9 @@ function layers_of(plan, obstacles, trajectory) {
 function add_layers(view, plan, obstacles, trajectory, all) {
   if (obstacles) view.add('obstacles', solid_boxes(obstacles));
   add_rulers(view, all);
-  if (plan.corridor) view.add('corridor', outlined_boxes(plan.corridor, { colour: '--corridor', face_opacity: 0.07, edge_opacity: 0.75 }));
-  if (plan.gates?.length) view.add('gates', outlined_boxes(plan.gates, { colour: '--gate', face_opacity: 0.16, edge_opacity: 0.9 }));
+  const { boxes, gates } = distinct_boxes(plan);
+  if (boxes.length) view.add('corridor', outlined_boxes(boxes, { colour: '--corridor', face_opacity: 0.07, edge_opacity: 0.75 }));
+  if (gates.length) view.add('gates', outlined_boxes(gates, { colour: '--gate', face_opacity: 0.16, edge_opacity: 0.9 }));
   const radius = plan.map?.radius_m > 0 ? plan.map.radius_m : 0.1;
   if (trajectory) {
     view.add('path', path_tube(trajectory.samples(1200), { radius: radius / 8, top_speed: top_speed(plan, trajectory) }));

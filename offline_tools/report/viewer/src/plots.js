@@ -48,8 +48,8 @@ function band_path(panel, { x, y, low, high }) {
 
 function axes(scale, duration, width, height) {
   const { low, high, x, y } = scale;
-  const value_digits = tick_digits(tick_step(high - low, 3));
-  const values = ticks(low, high, 3).map((value) => `<line class="grid" x1="${kLeft}" x2="${width - kRight}" y1="${place(y(value))}" y2="${place(y(value))}"/>` +
+  const value_digits = tick_digits(tick_step(high - low, 4));
+  const values = ticks(low, high, 4).map((value) => `<line class="grid" x1="${kLeft}" x2="${width - kRight}" y1="${place(y(value))}" y2="${place(y(value))}"/>` +
       `<text class="tick" x="${kLeft - 6}" y="${place(y(value) + 3.5)}" text-anchor="end">${fixed(value, value_digits)}</text>`);
   const time_digits = tick_digits(tick_step(duration, 5));
   const times = ticks(0, duration, 5).map((t) => `<text class="tick" x="${place(x(t))}" y="${height - 5}" text-anchor="middle">${fixed(t, time_digits)}</text>`);

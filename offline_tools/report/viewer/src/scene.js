@@ -6,7 +6,7 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 ColorManagement.enabled = false;  // all colours are the display's own, as in the style sheet
 
-const kDirections = { oblique: [-0.24, -0.7, 0.72], top: [0, -0.001, 1], side: [0, -1, 0.12] };
+const kDirections = { oblique: [-0.18, -0.52, 0.83], top: [0, -0.001, 1], side: [0, -1, 0.12] };
 
 function corners_of(box) {
   return Array.from({ length: 8 }, (_, i) => new Vector3(box[i & 1 ? 3 : 0], box[i & 2 ? 4 : 1], box[i & 4 ? 5 : 2]));
