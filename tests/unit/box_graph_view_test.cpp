@@ -171,7 +171,7 @@ TEST(BoxGraphView, RefusesAHeaderThatContradictsItselfUnderARightChecksum) {
   expect_inconsistent([](TestBlob& b) { b.header().cell_count = 0xFFFFFFFF; });
   expect_inconsistent([](TestBlob& b) { b.header().neighbour_count = 0x80000004; });
   expect_inconsistent([](TestBlob& b) { b.header().index_node_count = 3; });
-  expect_inconsistent([](TestBlob& b) { b.header().component_count = 2; });
+  expect_inconsistent([](TestBlob& b) { b.header().component_count = 1; });
   for (std::size_t i = 0; i < swiftlet::kBlobSectionCount; ++i) {
     expect_inconsistent([i](TestBlob& b) { b.header().sections[i].offset += 8; });
     expect_inconsistent([i](TestBlob& b) { b.header().sections[i].bytes += 12; });
@@ -223,8 +223,8 @@ TEST(BoxGraphView, RefusesABrokenAdjacencyUnderARightChecksum) {
   expect_inconsistent([](TestBlob& b) { b.set_adjacent(0, 1, false); });
   expect_inconsistent([](TestBlob& b) { b.set_adjacent(1, 0, false); });
   expect_inconsistent([](TestBlob& b) { b.header().neighbour_count -= 1; });
-  expect_inconsistent([](TestBlob& b) { b.section<std::uint16_t>(BlobSection::kComponents)[0] = 3; });
-  expect_inconsistent([](TestBlob& b) { b.section<std::uint16_t>(BlobSection::kComponents)[3] = 4; });
+  expect_inconsistent([](TestBlob& b) { b.section<std::uint16_t>(BlobSection::kComponents)[0] = 1; });
+  expect_inconsistent([](TestBlob& b) { b.section<std::uint16_t>(BlobSection::kComponents)[3] = 2; });
 }
 
 TEST(BoxGraphView, RefusesRecordsThatDoNotFollowEachOtherUnderARightChecksum) {

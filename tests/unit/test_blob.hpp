@@ -127,6 +127,11 @@ class TestBlob {
       }
     }
 
+    std::uint16_t components = 0;
+    for (std::size_t i = 0; i < count; ++i) {  // so far the label is the component's first cell
+      labels[i] = labels[i] == i ? components++ : labels[labels[i]];
+    }
+
     const std::size_t leaves = (count + kCellsPerIndexLeaf - 1) / kCellsPerIndexLeaf;
     const std::size_t nodes = leaves == 0 ? 0 : 2 * leaves - 1;
     std::array<IntBox, 2 * kMaxCells> index{};
@@ -154,7 +159,7 @@ class TestBlob {
     header_.version = kBlobVersion;
     header_.neighbour_count = entries;
     header_.index_node_count = static_cast<std::uint32_t>(nodes);
-    header_.component_count = static_cast<std::uint32_t>(count);
+    header_.component_count = components;
     header_.blob_bytes = sizeof(BlobHeader);
     append(BlobSection::kCells, cells_.data(), count);
     append(BlobSection::kRecordOffsets, offsets.data(), count);

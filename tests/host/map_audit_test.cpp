@@ -1,0 +1,131 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "map/audit.hpp"
+#include "map_test_worlds.hpp"
+#include "swiftlet_test.hpp"
+#include "unit/test_blob.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+using test::SmallWorld;
+using test::TestBlob;
+
+const Progress kSilent = [](std::string_view, double) {};
+
+BuiltMap build(const VoxelMap& map, const MapBuildOptions& options) {
+  auto built = build_map(map, "world", options, kSilent);
+  EXPECT_TRUE(built.has_value());
+  return std::move(*built);
+}
+
+std::string first_finding(const AuditReport& report) { return report.findings.empty() ? "none" : report.findings[0]; }
+
+/// Audits a hand-made blob against its world and expects a finding that contains `what`.
+void expect_finding(TestBlob& blob, const SmallWorld& world, const std::string& what) {
+  const auto view = BoxGraphView::open(blob.bytes());
+  ASSERT_TRUE(view.ok());
+  const AuditReport report = audit_map(*view, test::voxel_map(world), kSilent);
+  bool found = false;
+  for (const std::string& finding : report.findings) found = found || finding.find(what) != std::string::npos;
+  EXPECT_TRUE(found) << what << "; first of " << report.defects << ": " << first_finding(report);
+}
+
+TEST(MapAudit, FindsNothingInWhatTheBuilderMakesOfRandomWorlds) {
+  for (int run = 0; run < std::max(20, test::kPropertyRuns / 4); ++run) {
+    SCOPED_TRACE(run);
+    std::mt19937 random(static_cast<unsigned>(run));
+    const SmallWorld world = test::random_world(random);
+    MapBuildOptions options = test::random_options(random, world.resolution);
+    if (run % 5 == 0) options.coarsen = 2;
+    if (run % 3 == 0) options.bounds = {world.resolution, 0, 0, 6 * world.resolution, 99, 99};
+    if (run % 3 == 0 && world.size[0] < 2) continue;
+    const VoxelMap map = test::voxel_map(world);
+    const BuiltMap built = build(map, options);
+    const AuditReport report = audit_map(*BoxGraphView::open(built.blob), map, kSilent);
+    EXPECT_EQ(report.defects, 0U) << first_finding(report);
+  }
+}
+
+TEST(MapAudit, FindsEveryVoxelThatTheSourceHasChanged) {
+  for (int run = 0; run < std::max(20, test::kPropertyRuns / 20); ++run) {
+    SCOPED_TRACE(run);
+    std::mt19937 random(static_cast<unsigned>(run));
+    const SmallWorld world = test::random_world(random);
+    MapBuildOptions options = test::random_options(random, world.resolution);
+    options.radius = std::max(options.radius, 0.2 * world.resolution);
+    const BuiltMap built = build(test::voxel_map(world), options);
+    for (std::size_t i = 0; i < world.voxels.size(); ++i) {
+      // A free voxel that is now occupied, or the reverse: the stored obstacles disagree at least.
+      SmallWorld changed = world;
+      if (world.voxels[i] == test::Known::kUnknown) continue;
+      const bool occupied = world.voxels[i] == test::Known::kOccupied;
+      changed.voxels[i] = occupied ? test::Known::kFree : test::Known::kOccupied;
+      EXPECT_GT(audit_map(*BoxGraphView::open(built.blob), test::voxel_map(changed), kSilent).defects, 0U);
+    }
+  }
+}
+
+TEST(MapAudit, SaysWhatIsWrongInHandMadeBlobs) {
+  const SmallWorld open_space = test::world_of({{"....", "...."}});
+  const auto blob = [](std::initializer_list<IntBox> cells) { return TestBlob({4, 2, 1}, cells); };
+  const IntBox left{{0, 0, 0}, {2, 2, 1}};
+  const IntBox right{{2, 0, 0}, {4, 2, 1}};
+  TestBlob good = blob({left, right});
+  const AuditReport report = audit_map(good.view(), test::voxel_map(open_space), kSilent);
+  ASSERT_EQ(report.defects, 0U) << first_finding(report);
+
+  TestBlob overlap = blob({left, IntBox{{1, 0, 0}, {4, 2, 1}}});
+  expect_finding(overlap, open_space, "overlaps another");
+  TestBlob hole = blob({left, IntBox{{2, 0, 0}, {4, 1, 1}}});
+  expect_finding(hole, open_space, "lie in no cell");
+  TestBlob no_window = blob({left, right});
+  no_window.set_adjacent(0, 1, false);
+  no_window.set_adjacent(1, 0, false);
+  expect_finding(no_window, open_space, "lists 0 windows, not the 1");
+  TestBlob split = blob({IntBox{{0, 0, 0}, {1, 2, 1}}, IntBox{{3, 0, 0}, {4, 2, 1}}});
+  split.section<std::uint16_t>(BlobSection::kComponents)[1] = 0;
+  split.seal();
+  expect_finding(split, test::world_of({{".??.", ".??."}}), "component 0 is not connected");
+  expect_finding(split, test::world_of({{".??.", ".??."}}), "label has no cell");
+
+  const SmallWorld obstacle = test::world_of({{"...#", "...."}});
+  expect_finding(good, obstacle, "lies in an obstacle");
+  expect_finding(good, obstacle, "less than the radius");
+  expect_finding(good, obstacle, "not all of the source's");
+  expect_finding(good, test::world_of({{"...?", "...."}}), "lies in unknown space");
+  TestBlob part = blob({left});
+  part.set_extent(0, {{0, 0, 0}, {3, 2, 1}});
+  expect_finding(part, open_space, "leaves the free space");
+  expect_finding(good, test::world_of({{"....", "...."}}, 0.5), "resolution");
+  expect_finding(good, test::world_of({{"..", ".."}}), "does not lie on the voxels");
+}
+
+TEST(MapAudit, NoticesAnotherSourceFile) {
+  const SmallWorld world = test::world_of({{"...."}});
+  VoxelMap map = test::voxel_map(world);
+  const BuiltMap built = build(map, {});
+  map.source_digest[3] = 1;
+  const AuditReport report = audit_map(*BoxGraphView::open(built.blob), map, kSilent);
+  ASSERT_EQ(report.defects, 1U);
+  EXPECT_NE(report.findings[0].find("another file"), std::string::npos);
+}
+
+TEST(MapAudit, PassesTheRealScansAtTheRadiusOfTheirQueries) {
+  const std::string maps = std::string(SWIFTLET_SOURCE_DIR) + "/../shared/maps/";
+  const auto map = read_octree(maps + "geb079/geb079.bt");
+  if (!map) GTEST_SKIP() << map.error().message;
+  MapBuildOptions options;
+  options.radius = 0.3;
+  const BuiltMap built = build(*map, options);
+  EXPECT_LE(built.report.cells, 17'000U);
+  EXPECT_LE(built.report.blob_bytes - built.report.section_bytes[static_cast<std::size_t>(BlobSection::kObstacles)],
+            750'000U);
+  const AuditReport report = audit_map(*BoxGraphView::open(built.blob), *map, kSilent);
+  EXPECT_EQ(report.defects, 0U) << first_finding(report);
+}
+
+}  // namespace
+}  // namespace swiftlet::tools
