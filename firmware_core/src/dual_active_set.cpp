@@ -14,7 +14,7 @@ constexpr Real kDependentShare = std::numeric_limits<Real>::epsilon() * 512;
 constexpr std::size_t packed(std::size_t row, std::size_t column) { return row * (row + 1) / 2 + column; }
 
 std::size_t entries(const QpRow& row, std::size_t unknowns) {
-  return std::min(row.coefficients.size(), unknowns - kBlockSize * row.block);
+  return std::min<std::size_t>(row.coefficients.size(), unknowns - kBlockSize * row.block);
 }
 
 /// x += factor * n
@@ -51,8 +51,16 @@ DualActiveSet::DualActiveSet(const QpSpans& spans, std::size_t block_count, std:
   std::copy(spans_.optimum.begin(), spans_.optimum.end(), spans_.solution.begin());
 }
 
-Status DualActiveSet::enforce(const QpRow& row) {
-  Status status = append(row);
+Status DualActiveSet::enforce(const QpRow& row) { return finish(append(row, 0)); }
+
+Status DualActiveSet::merge(std::size_t first, std::size_t second, const QpRow& row) {
+  const Real weight = spans_.multipliers[first] + spans_.multipliers[second];
+  drop(second);
+  drop(first);
+  return finish(append(row, weight));
+}
+
+Status DualActiveSet::finish(Status status) {
   if (status == Status::kOk) status = settle();
   if (status == Status::kOk) update_solution();
   return status;
@@ -67,16 +75,13 @@ Status DualActiveSet::start_from(std::span<const QpRow> rows) {
     spans_.rows[active_count_] = row;
     spans_.multipliers[active_count_++] = 0;
   }
-  const Status status = settle();
-  if (status == Status::kOk) update_solution();
-  return status;
+  return finish(Status::kOk);
 }
 
-/// Makes `row` active. While it depends on the active rows, weight moves from them to it until one of them lets go;
-/// when none can, the rows contradict each other.
-Status DualActiveSet::append(const QpRow& row) {
+/// Makes `row` active with a multiplier of at least `weight`. While it depends on the active rows, weight moves from
+/// them to it until one of them lets go; when none can, the rows contradict each other.
+Status DualActiveSet::append(const QpRow& row, Real weight) {
   const std::span<Real> direction = spans_.target;
-  Real weight = 0;  // multiplier that the new row has taken over
   while (true) {
     if (active_count_ == spans_.rows.size() || ++iterations_ > iteration_limit_) return Status::kIterationLimit;
     const Result<bool> independent = row_is_independent(row);

@@ -11,6 +11,12 @@ constexpr Real kLargestStep = Real(1.5);  // factor on a duration in one step
 // No segment is refined to less than this share of the mean: the cost's condition grows with the ratio's fifth power.
 constexpr Real kShortestShare = Real(0.05);
 
+// Trials are compared, not flown: a rough solve will do.
+constexpr SolveEffort kTrialEffort{.tolerance = sizeof(Real) == 8 ? Real(1e-4) : Real(5e-4), .steps_per_segment = 3};
+// The best trial may be feasible only within a trial's tolerance; then its durations are stretched a little.
+constexpr Real kRepairStretch = Real(1.002);
+constexpr int kRepairs = 10;
+
 Real sum(std::span<const Real> values) {
   Real total = 0;
   for (const Real value : values) total += value;
@@ -39,6 +45,7 @@ Status refine_durations(const TrajectoryProblem& problem, const RefinementOption
   const std::span<Real> gradient = spans.gradient.first(count);
   WarmStart warm = spans.warm;
   TrajectoryProblem attempt = problem;
+  attempt.effort = kTrialEffort;
   std::uint32_t iterations = report.qp_iterations;
   const auto solve = [&](std::span<const Real> times) {
     attempt.durations = times;
@@ -52,7 +59,7 @@ Status refine_durations(const TrajectoryProblem& problem, const RefinementOption
   };
 
   Status status = solve(durations);
-  if (status != Status::kOk || options.solve_budget == 0) return status;
+  if (status != Status::kOk) return status;
   Real best = objective(durations);
   int halvings = 0;
   bool current = true;  // segments and gradient belong to `durations`
@@ -74,7 +81,13 @@ Status refine_durations(const TrajectoryProblem& problem, const RefinementOption
       ++halvings;
     }
   }
-  return current ? Status::kOk : solve(durations);
+  attempt.effort = problem.effort;
+  status = solve(durations);
+  for (int repair = 0; repair < kRepairs && status != Status::kOk; ++repair) {
+    for (Real& duration : durations) duration *= kRepairStretch;
+    status = solve(durations);
+  }
+  return status;
 }
 
 }  // namespace swiftlet

@@ -10,10 +10,13 @@ namespace swiftlet {
 namespace {
 
 constexpr std::uint32_t kSweepLimit = 60;  // sweeps over all segments; the reference cases need at most 12
+// Two active rows of one kind this close together (in normalised time) hold one extremum between them. Adding a third
+// there would only halve the gap; the one row that stands for both lies at their multipliers' centre of gravity, to
+// second order in the gap. Sweeps beyond kMergingSweeps keep all rows, in case two points of one kind are needed side
+// by side.
+constexpr Real kSameExtremum = Real(0.2);
+constexpr std::uint32_t kMergingSweeps = 20;
 constexpr Real kGateTolerance = Real(1e-6);
-
-/// Rows added and dropped on one axis; the reference cases need at most 3 M + 20.
-std::uint32_t iteration_limit(std::size_t segments) { return static_cast<std::uint32_t>(10 * segments + 100); }
 
 /// Where a row comes from; labels carry it through the solver.
 struct RowPlace {
@@ -51,6 +54,12 @@ struct AxisBounds {
     return derivative == 0 ? margins.position : derivative == 1 ? margins.velocity : margins.acceleration;
   }
 };
+
+/// Rows that one axis may add and drop; with default effort the reference cases need at most 4 M + 20.
+std::uint32_t step_limit(const AxisBounds& bounds) {
+  const auto segments = static_cast<std::uint32_t>(bounds.axis.segment_count());
+  return bounds.problem->effort.steps_per_segment * segments + 100;
+}
 
 /// The row of a bound at a point, its margin inside (eq. 9, 10, 14, 15).
 QpRow bound_row(const AxisBounds& bounds, const RowPlace& at) {
@@ -128,12 +137,14 @@ class SegmentSweep {
     // cheap reject that most segments take.
     std::array<Real, 6> points = quintic_control_points(ends_);
     const Real T = bounds_.axis.durations[segment_];
+    const Real tolerance = bounds_.problem->effort.tolerance;
     std::size_t count = points.size();
     for (int derivative = 0; derivative <= 2; ++derivative) {
       const Real lo = bounds_.lower(segment_, derivative);
       const Real hi = bounds_.upper(segment_, derivative);
       bool inside = true;
-      for (std::size_t i = 0; i < count; ++i) inside = inside && points[i] >= lo && points[i] <= hi;
+      for (std::size_t i = 0; i < count; ++i)
+        inside = inside && points[i] >= lo - tolerance && points[i] <= hi + tolerance;
       if (!inside) check_extrema(derivative);
       const Real factor = static_cast<Real>(--count) / T;
       for (std::size_t i = 0; i < count; ++i) points[i] = factor * (points[i + 1] - points[i]);
@@ -158,7 +169,7 @@ class SegmentSweep {
     const Real hi = bounds_.upper(segment_, derivative);
     const Real excess = std::max(value - hi, lo - value);
     const Real scale = derivative == 0 ? Real(1) : hi;
-    if (!(excess > kFeasibility) || excess / scale <= worst_ratio_) return;
+    if (!(excess > bounds_.problem->effort.tolerance) || excess / scale <= worst_ratio_) return;
     worst_ratio_ = excess / scale;
     const bool above = value - hi >= lo - value;
     worst_ = {static_cast<std::uint32_t>(segment_),
@@ -190,8 +201,7 @@ class AxisSolve {
       : bounds_(bounds),
         violations_(spans.violations),
         rows_(spans.qp.rows),
-        solver_(factored(bounds, spans.qp), bounds.axis.segment_count() - 1,
-                iteration_limit(bounds.axis.segment_count())) {}
+        solver_(factored(bounds, spans.qp), bounds.axis.segment_count() - 1, step_limit(bounds)) {}
 
   /// `labels`: rows to start from.
   Status run(std::span<const QpLabel> labels) {
@@ -201,6 +211,7 @@ class AxisSolve {
       if (const Status status = enforce_gates(); status != Status::kOk) return status;
       const std::size_t count = find_violations();
       if (count == 0) return Status::kOk;
+      merging_ = sweep < kMergingSweeps;
       if (const Status status = enforce_violations(count); status != Status::kOk) return status;
     }
     return Status::kIterationLimit;
@@ -211,6 +222,8 @@ class AxisSolve {
   [[nodiscard]] std::uint32_t rows_added() const { return rows_added_; }
 
  private:
+  [[nodiscard]] Real tolerance() const { return bounds_.problem->effort.tolerance; }
+
   static const QpSpans& factored(const AxisBounds& bounds, const QpSpans& qp) {
     factor_jerk_cost(bounds.axis, qp.factor, qp.optimum);
     return qp;
@@ -234,7 +247,7 @@ class AxisSolve {
         const Real value = (at_goal ? bounds_.axis.goal : bounds_.axis.start)[derivative];
         const Real above = value - bounds_.upper(segment, derivative);
         const Real below = bounds_.lower(segment, derivative) - value;
-        if (std::max(above, below) <= kFeasibility) continue;
+        if (std::max(above, below) <= tolerance()) continue;
         last_ = {segment,
                  derivative,
                  at_goal ? Real(1) : Real(0),
@@ -250,7 +263,32 @@ class AxisSolve {
   Status enforce(const QpRow& row, const Violation& violation) {
     last_ = violation;
     ++rows_added_;
-    return solver_.enforce(row);
+    const Pair pair = merging_ ? rows_around(row.label) : Pair{};
+    if (pair.count < 2) return solver_.enforce(row);
+    RowPlace merged = to_place(row.label);
+    const Real u0 = solver_.multipliers()[pair.first];
+    const Real u1 = solver_.multipliers()[pair.second];
+    const Real t0 = solver_.active_rows()[pair.first].label.where;
+    const Real t1 = solver_.active_rows()[pair.second].label.where;
+    if (u0 + u1 > 0) merged.tau = (u0 * t0 + u1 * t1) / (u0 + u1);
+    return solver_.merge(pair.first, pair.second, bound_row(bounds_, merged));
+  }
+
+  /// The active rows that bound the same extremum as `label`.
+  struct Pair {
+    std::size_t count = 0;
+    std::size_t first = 0;
+    std::size_t second = 0;
+  };
+  [[nodiscard]] Pair rows_around(const QpLabel& label) const {
+    const std::span<const QpRow> active = solver_.active_rows();
+    Pair pair;
+    for (std::size_t j = 0; j < active.size(); ++j) {
+      if (active[j].label.kind != label.kind || std::fabs(active[j].label.where - label.where) > kSameExtremum)
+        continue;
+      (pair.count++ == 0 ? pair.first : pair.second) = j;
+    }
+    return pair;
   }
 
   /// Window constraints (eq. 9, 14, 15), the most violated first.
@@ -262,7 +300,7 @@ class AxisSolve {
         const Real above = p - bounds_.axis.gate_hi(k);
         const Real below = bounds_.axis.gate_lo(k) - p;
         const Real excess = std::max(above, below);
-        if (is_pinned(bounds_.axis, k) || !(excess > std::max(worst.excess, kFeasibility))) continue;
+        if (is_pinned(bounds_.axis, k) || !(excess > std::max(worst.excess, tolerance()))) continue;
         const bool is_above = above >= below;
         worst = {static_cast<std::uint32_t>(k),
                  0,
@@ -294,7 +332,7 @@ class AxisSolve {
 
   Status enforce_violations(std::size_t count) {
     for (const Violation& violation : violations_.first(count)) {
-      if (remaining_excess(bounds_, violation, solver_.solution()) <= kFeasibility) continue;
+      if (remaining_excess(bounds_, violation, solver_.solution()) <= tolerance()) continue;
       const QpRow row = bound_row(bounds_, {violation.segment, violation.derivative, violation.sign, violation.tau});
       if (const Status status = enforce(row, violation); status != Status::kOk) return status;
     }
@@ -307,6 +345,7 @@ class AxisSolve {
   DualActiveSet solver_;
   Violation last_;
   std::uint32_t rows_added_ = 0;
+  bool merging_ = false;
 };
 
 void emit_axis(const AxisBounds& bounds, std::span<const Real> unknowns, std::span<Segment> segments) {

@@ -65,6 +65,9 @@ class DualActiveSet {
   ///   kNumericalTrouble  a non-finite number came up
   Status enforce(const QpRow& row);
 
+  /// The same, with `row` in place of two active rows, first < second, whose multipliers it inherits.
+  Status merge(std::size_t first, std::size_t second, const QpRow& row);
+
   /// Starts from rows that were active in a similar problem: those that depend on the others or do not press are left
   /// out. Call before the first enforce. Errors as of enforce, but never kInfeasible.
   Status start_from(std::span<const QpRow> rows);
@@ -76,7 +79,8 @@ class DualActiveSet {
   [[nodiscard]] std::uint32_t iterations() const { return iterations_; }
 
  private:
-  Status append(const QpRow& row);
+  Status append(const QpRow& row, Real weight);
+  Status finish(Status appended);
   Status settle();
   Result<bool> row_is_independent(const QpRow& row);
   [[nodiscard]] std::size_t blocking_row(std::span<const Real> direction, Real& step) const;

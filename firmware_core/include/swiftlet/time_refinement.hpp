@@ -27,7 +27,8 @@ struct RefinementSpans {
 /// next one's logarithm. Never leaves the durations worse than it found them.
 ///   problem    feasible with its durations, which are a view of `durations`
 ///   segments   receive the trajectory of the durations returned
-/// Cost: solve_budget + 2 trajectories. Errors: those of generate_trajectory for the durations given.
+/// Cost: solve_budget + 1 rough trajectories and at most eleven exact ones, usually one. Errors: those of
+/// generate_trajectory for the durations given.
 Status refine_durations(const TrajectoryProblem& problem, const RefinementOptions& options,
                         const TrajectorySpans& trajectory, const RefinementSpans& spans, std::span<Real> durations,
                         std::span<Segment> segments, TrajectoryReport& report);

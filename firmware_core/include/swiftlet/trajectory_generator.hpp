@@ -17,6 +17,15 @@ struct Margins {
   Real acceleration = 0;
 };
 
+/// Excess that counts as no violation [m, m/s, m/s^2].
+inline constexpr Real kFeasibility = sizeof(Real) == 8 ? Real(1e-8) : Real(2e-4);
+
+/// How exactly a problem is solved; the default is what an emitted trajectory gets.
+struct SolveEffort {
+  Real tolerance = kFeasibility;         ///< excess that counts as no violation [m, m/s, m/s^2]
+  std::uint32_t steps_per_segment = 10;  ///< active-set steps on an axis: 100, and this many a segment
+};
+
 /// One trajectory-generation problem: M boxes, M - 1 gates inside both neighbours, M durations; limits per axis,
 /// infinity for none.
 struct TrajectoryProblem {
@@ -28,10 +37,8 @@ struct TrajectoryProblem {
   Vector3 v_max;  ///< [m/s]
   Vector3 a_max;  ///< [m/s^2]
   Margins margins;
+  SolveEffort effort = {};
 };
-
-/// Excess that counts as no violation [m, m/s, m/s^2].
-inline constexpr Real kFeasibility = sizeof(Real) == 8 ? Real(1e-8) : Real(2e-4);
 
 enum class BoundKind : std::uint8_t { kPosition, kVelocity, kAcceleration };
 enum class FallbackReason : std::uint8_t { kNone, kIterations, kDeadline, kNumerics, kStopAtGates };
@@ -80,7 +87,7 @@ struct WarmStart {
 
 /// Minimum-jerk trajectory for the durations as given (Sec. IV-B to IV-D): one dual active-set run an axis, rows
 /// generated lazily at violating extrema. With margins that cannot be met the run is repeated without. Bounds hold to
-/// kFeasibility at every t.
+/// the effort's tolerance at every t.
 ///   segments   receives M segments, in frame W
 ///   warm       nullptr, or the active rows of an earlier solve to start from; receives those of this one
 ///   gradient   empty, or receives M elements: the derivative of the summed optimal cost by each duration (envelope
