@@ -183,6 +183,7 @@ TEST(PlanReportInBrowser, ShowsWhyThereIsNoTrajectory) {
   Json plan = small_plan();
   for (const char* key : {"corridor", "gates", "segments", "duration", "length", "jerk_cost", "qp", "certificate"})
     plan.erase(key);
+  plan["request"]["start"]["position"] = {1e9, 0, 0};
   plan["status"] = "no_path";
   plan["reason"] = "start lies in component 0, goal in component 3";
   const std::string dom =
@@ -190,6 +191,7 @@ TEST(PlanReportInBrowser, ShowsWhyThereIsNoTrajectory) {
   EXPECT_NE(dom.find("start lies in component 0, goal in component 3"), std::string::npos);
   EXPECT_EQ(occurrences(dom, "<polyline"), 0U);
   EXPECT_EQ(occurrences(dom, "<canvas"), 1U);
+  EXPECT_NE(dom.find("max=\"1\" step="), std::string::npos) << "an end far outside stretches the heights";
   EXPECT_EQ(dom.find("class=\"error\""), std::string::npos);
 }
 

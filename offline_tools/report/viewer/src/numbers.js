@@ -23,7 +23,7 @@ function file_name(path) {
 }
 
 function figure(label, value, unit, tone) {
-  return html`<div class="figure ${tone ?? ''}"><dt>${label}</dt><dd>${value}${unit && html`<small>${unit}</small>`}</dd></div>`;
+  return html`<div class="figure ${tone ?? ''}"><dt>${label}</dt><dd>${value}${value !== '–' && unit && html`<small>${unit}</small>`}</dd></div>`;
 }
 
 /// The few figures that matter, in large type.

@@ -10,7 +10,7 @@ import { add_rulers } from './rulers.js';
 import { View } from './scene.js';
 import { solid_boxes } from './solid_boxes.js';
 import { on_theme, toggle_theme } from './theme.js';
-import { norm, Trajectory } from './trajectory.js';
+import { box_margin, norm, Trajectory } from './trajectory.js';
 import { connect_panel, panel_markup } from './view_panel.js';
 
 // The page of a swiftlet-plan/1: heading, figures, 3-D view, plots, numbers. All but the view works without WebGL.
@@ -36,13 +36,15 @@ function page_markup(title, report, trajectory) {
     <section><h2>Numbers</h2>${plan_numbers(plan, obstacles)}</section>`.text;
 }
 
-/// Everything that a plan puts into space [m].
+/// The box around everything [m], null around nothing, and the box around the flight, null where there is none inside.
+/// An end far outside the map does not stretch the view.
 function contents(plan, obstacles) {
   const ends = [plan.request?.start, plan.request?.goal].filter((state) => state?.position?.every(Number.isFinite));
   const points = ends.map((state) => [...state.position, ...state.position]);
-  const flown = hull([...(plan.corridor ?? []), ...points]);
   const solid = obstacles && data_hull(obstacles);
-  return { flown, all: hull([flown, solid].filter(Boolean)) };
+  const all = hull([...(plan.corridor ?? []), solid].filter(Boolean)) ?? hull(points);
+  const inside = points.filter((point) => box_margin(all, point.slice(0, 3)) >= 0);
+  return { all, flown: hull([...(plan.corridor ?? []), ...inside]) };
 }
 
 function make_view(host, report, trajectory) {
@@ -61,7 +63,7 @@ function make_view(host, report, trajectory) {
   add_layers(view, plan, obstacles, trajectory, all);
   host.insertAdjacentHTML('beforeend', panel_markup(layers_of(plan, obstacles, trajectory), [all[2], all[5]], band_at_start(flown, all)).text);
   if (trajectory) host.insertAdjacentHTML('beforeend', legend_markup(top_speed(plan, trajectory)).text);
-  const framed = framed_box(flown, all);
+  const framed = framed_box(plan, flown, all);
   connect_panel(host, view, framed);
   view.recolour();
   on_theme(() => view.recolour());
@@ -69,9 +71,10 @@ function make_view(host, report, trajectory) {
   return view;
 }
 
-/// The flight with its surroundings: as far again to every side as half its longest edge, within the map.
-function framed_box(flown, all) {
-  if (!flown) return all;
+/// The flight with its surroundings: as far again to every side as half its longest edge, within the map. Where there
+/// is no flight, everything.
+function framed_box(plan, flown, all) {
+  if (!plan.corridor) return all;
   const reach = Math.max(flown[3] - flown[0], flown[4] - flown[1], flown[5] - flown[2], 2) / 2;
   return all.map((bound, i) => (i < 3 ? Math.max(bound, flown[i] - reach) : Math.min(bound, flown[i] + reach)));
 }

@@ -18,6 +18,7 @@ export class View {
     this.host = host;
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.debug.checkShaderErrors = false;  // asking for the logs would stall the first frame
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.1, 1000);
