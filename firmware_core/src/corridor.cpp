@@ -11,25 +11,6 @@ namespace {
 
 using Matrix3 = Eigen::Matrix<Real, 3, 3>;
 
-// --------------------------------------------------------------------------------------------------------- the boxes
-
-/// From each extent on to the last one that shares a passage with it.
-Status shortcut_extents(const BoxGraphView& graph, std::span<const CellIndex> cells, std::span<IntBox> boxes,
-                        std::size_t& box_count) {
-  std::size_t here = 0;
-  boxes[0] = graph.extent(cells[0]);
-  box_count = 1;
-  while (here + 1 < cells.size()) {
-    if (box_count == boxes.size()) return Status::kCorridorCapacity;
-    std::size_t next = cells.size() - 1;
-    IntBox box = graph.extent(cells[next]);
-    while (next > here + 1 && !is_passage(intersection(boxes[box_count - 1], box))) box = graph.extent(cells[--next]);
-    boxes[box_count++] = box;
-    here = next;
-  }
-  return Status::kOk;
-}
-
 // ----------------------------------------------------------------------------------------------------- the taut path
 
 // A leg is smoothed over kSmoothing times the barrier's strength: the stiffer legs then stay curved long enough for the
@@ -273,17 +254,127 @@ class TautPath {
   Real barrier_ = 0;
 };
 
+// --------------------------------------------------------------------------------------------------------- the boxes
+
+// Share of the path's length by which it may have to give way when boxes are dropped. Measured on four scans: a third
+// fewer boxes than without slack, and paths 0.1 % longer at the median, 0.4 % at most.
+constexpr Real kCoverSlack = Real(0.005);
+
+/// The extents of all cells, or, when they are too many, from each on to the last one that shares a passage with it.
+Status chain_extents(const BoxGraphView& graph, std::span<const CellIndex> cells, std::span<IntBox> boxes,
+                     std::size_t& box_count) {
+  const bool thin_out = cells.size() > boxes.size();
+  std::size_t here = 0;
+  boxes[0] = graph.extent(cells[0]);
+  box_count = 1;
+  while (here + 1 < cells.size()) {
+    if (box_count == boxes.size()) return Status::kCorridorCapacity;
+    std::size_t next = thin_out ? cells.size() - 1 : here + 1;
+    IntBox box = graph.extent(cells[next]);
+    while (next > here + 1 && !is_passage(intersection(boxes[box_count - 1], box))) box = graph.extent(cells[--next]);
+    if (!(box == boxes[box_count - 1])) boxes[box_count++] = box;
+    here = next;
+  }
+  return Status::kOk;
+}
+
+bool contains(const Box& box, const Vector3& point) {
+  return (point.array() >= box.lo.array()).all() && (point.array() <= box.hi.array()).all();
+}
+
+/// Which share of the leg from `inside` to `outside` lies in the box.
+Real share_inside(const Box& box, const Vector3& inside, const Vector3& outside) {
+  Real share = 1;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Real step = outside[axis] - inside[axis];
+    const Real room = (step > 0 ? box.hi : box.lo)[axis] - inside[axis];
+    if (step != 0) share = std::min(share, room / step);
+  }
+  return std::max(share, Real(0));
+}
+
+/// The stretch of a polyline that lies in a box, leg and share of the leg: 2.25 is a quarter into the leg from point 2.
+struct Stretch {
+  Real begin;
+  Real end;
+};
+
+/// As far as the path stays in `box` before and after leg `leg`, which lies in it.
+Stretch stretch_inside(const Box& box, std::span<const Vector3> points, std::size_t leg) {
+  std::size_t first = leg;
+  while (first > 0 && contains(box, points[first - 1])) --first;
+  std::size_t last = leg + 1;
+  while (last + 1 < points.size() && contains(box, points[last + 1])) ++last;
+  Stretch stretch{static_cast<Real>(first), static_cast<Real>(last)};
+  if (first > 0) stretch.begin -= share_inside(box, points[first], points[first - 1]);
+  if (last + 1 < points.size()) stretch.end += share_inside(box, points[last], points[last + 1]);
+  return stretch;
+}
+
+/// Of a chain of boxes with leg i of `points` in box i, keeps in place those that cover the path going forward, each time
+/// the one that reaches furthest of those that begin before the last one ends. Returns how many.
+///   slack  [m] by which the path may pass outside a box that still counts as covering it
+std::size_t cover_path(std::span<IntBox> int_boxes, std::span<const Box> boxes, std::span<const Vector3> points,
+                       Real slack, std::span<TautNode> scratch) {
+  const std::size_t count = int_boxes.size();
+  const Real goal_leg = static_cast<Real>(count) - Real(0.5);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Box wide{boxes[i].lo.array() - slack, boxes[i].hi.array() + slack};
+    const Stretch stretch = stretch_inside(wide, points, i);
+    // The last box has to hold the goal itself: slack does not count there.
+    const Real end = contains(boxes[i], points[count]) ? stretch.end : std::min(stretch.end, goal_leg);
+    scratch[i].step = {stretch.begin, end, 0};
+  }
+  std::size_t kept = 1;
+  std::size_t here = 0;
+  IntBox box = int_boxes[0];
+  while (scratch[here].step[1] < static_cast<Real>(count)) {
+    std::size_t next = here + 1;  // shares a passage, whatever the others do; the last box ends at `count`
+    for (std::size_t i = here + 2; i < count; ++i) {
+      const bool begins_in_time = scratch[i].step[0] < scratch[here].step[1];
+      const bool reaches_further = scratch[i].step[1] > scratch[next].step[1];
+      if (begins_in_time && reaches_further && is_passage(intersection(box, int_boxes[i]))) next = i;
+    }
+    here = next;
+    box = int_boxes[here];  // not yet overwritten: kept <= here
+    int_boxes[kept++] = box;
+  }
+  return kept;
+}
+
+/// Boxes and gates in frame W, and the taut path through them.
+TautReport fit_path(const BoxGraphView& graph, const Vector3& start, const Vector3& goal, std::size_t count,
+                    const CorridorSpans& spans) {
+  for (std::size_t i = 0; i < count; ++i) spans.boxes[i] = graph.to_world(spans.int_boxes[i]);
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    spans.gates[i] = graph.to_world(intersection(spans.int_boxes[i], spans.int_boxes[i + 1]));
+  }
+  return pull_taut(start, goal, spans.gates.first(count - 1), spans.points, spans.nodes);
+}
+
 }  // namespace
 
-Status build_corridor(const BoxGraphView& graph, std::span<const CellIndex> cells, CorridorKind kind, bool relax,
-                      std::span<IntBox> boxes, std::size_t& box_count) {
-  SWIFTLET_ASSERT(!cells.empty());
-  box_count = 0;
-  if (boxes.empty()) return Status::kCorridorCapacity;
-  if (kind == CorridorKind::kExtents) return shortcut_extents(graph, cells, boxes, box_count);
-  if (boxes.size() < cells.size()) return Status::kCorridorCapacity;
-  for (const CellIndex cell : cells) boxes[box_count++] = graph.cell(cell);
-  if (relax) relax_windows(boxes.first(box_count), {});
+Status build_corridor(const BoxGraphView& graph, const Vector3& start, const Vector3& goal,
+                      std::span<const CellIndex> cells, CorridorKind kind, bool relax, const CorridorSpans& spans,
+                      CorridorReport& report) {
+  SWIFTLET_ASSERT(!cells.empty() && spans.boxes.size() >= spans.int_boxes.size() &&
+                  spans.gates.size() + 1 >= spans.int_boxes.size() && spans.points.size() > spans.int_boxes.size() &&
+                  spans.nodes.size() > spans.int_boxes.size());
+  report = {};
+  if (spans.int_boxes.empty()) return Status::kCorridorCapacity;
+  std::size_t count = 0;
+  if (kind == CorridorKind::kExtents) {
+    const Status status = chain_extents(graph, cells, spans.int_boxes, count);
+    if (status != Status::kOk) return status;
+    const Real slack = kCoverSlack * fit_path(graph, start, goal, count, spans).length;
+    count = cover_path(spans.int_boxes.first(count), spans.boxes, spans.points.first(count + 1), slack, spans.nodes);
+  } else {
+    if (spans.int_boxes.size() < cells.size()) return Status::kCorridorCapacity;
+    for (const CellIndex cell : cells) spans.int_boxes[count++] = graph.cell(cell);
+    if (relax) relax_windows(spans.int_boxes.first(count), {});
+  }
+  report.taut = fit_path(graph, start, goal, count, spans);
+  report.box_count = count;
   return Status::kOk;
 }
 

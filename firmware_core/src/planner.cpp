@@ -107,20 +107,14 @@ Status Planner::search_corridor(const BoxGraphView& graph, const PlanRequest& re
                                  request.search, spans_.search, spans_.cell_path, cell_count, plan_.search);
   if (status != Status::kOk) return status;
   const std::span<const CellIndex> cells = spans_.cell_path.first(cell_count);
-  std::size_t count = 0;
-  status = build_corridor(graph, cells, request.corridor, request.relax, spans_.int_boxes, count);
+  CorridorReport corridor;
+  status = build_corridor(graph, plan_.start.position, plan_.goal.position, cells, request.corridor, request.relax,
+                          {spans_.int_boxes, spans_.boxes, spans_.gates, spans_.points, spans_.taut_nodes}, corridor);
   if (status != Status::kOk) return status;
-  plan_.int_boxes = spans_.int_boxes.first(count);
+  plan_.int_boxes = spans_.int_boxes.first(corridor.box_count);
   if (!corridor_is_free(graph, cells, plan_.int_boxes)) return Status::kBlobInconsistent;
-
-  for (std::size_t i = 0; i < count; ++i) spans_.boxes[i] = graph.to_world(plan_.int_boxes[i]);
-  for (std::size_t i = 0; i + 1 < count; ++i) {
-    spans_.gates[i] = graph.to_world(intersection(plan_.int_boxes[i], plan_.int_boxes[i + 1]));
-  }
-  plan_.boxes = spans_.boxes.first(count);
-  plan_.gates = spans_.gates.first(count - 1);
-  pull_taut(plan_.start.position, plan_.goal.position, plan_.gates, spans_.points.first(count + 1),
-            spans_.taut_nodes.first(count + 1));
+  plan_.boxes = spans_.boxes.first(corridor.box_count);
+  plan_.gates = spans_.gates.first(corridor.box_count - 1);
   return Status::kOk;
 }
 

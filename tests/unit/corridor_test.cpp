@@ -10,6 +10,7 @@
 namespace {
 
 using swiftlet::Box;
+using swiftlet::BoxGraphView;
 using swiftlet::build_corridor;
 using swiftlet::CellIndex;
 using swiftlet::contains;
@@ -38,72 +39,120 @@ TestBlob corner_blob() {
 }
 constexpr std::array<CellIndex, 5> kCornerPath{CellIndex{0}, CellIndex{1}, CellIndex{2}, CellIndex{3}, CellIndex{4}};
 
+struct Built {
+  Status status;
+  std::array<IntBox, 8> int_boxes{};
+  std::array<Box, 8> boxes{};
+  std::array<Box, 8> gates{};
+  std::array<Vector3, 9> points{};
+  swiftlet::CorridorReport report;
+};
+
+Built build(const BoxGraphView& graph, const Vector3& start, const Vector3& goal, std::span<const CellIndex> cells,
+            CorridorKind kind, bool relax = true, std::size_t capacity = 8) {
+  Built built;
+  std::array<TautNode, 9> nodes;
+  built.status =
+      build_corridor(graph, start, goal, cells, kind, relax,
+                     {std::span(built.int_boxes).first(capacity), built.boxes, built.gates, built.points, nodes},
+                     built.report);
+  return built;
+}
+
+const Vector3 kFirstArm{1, 1, 1};
+const Vector3 kSecondArm{5, 5, 1};
+
 TEST(BuildCorridor, DropsEveryBoxThatItsNeighboursCanDoWithout) {
   TestBlob blob = corner_blob();
-  std::array<IntBox, 8> boxes{};
-  std::size_t count = 0;
-  ASSERT_EQ(build_corridor(blob.view(), kCornerPath, CorridorKind::kExtents, true, boxes, count), Status::kOk);
-  ASSERT_EQ(count, 2);
-  EXPECT_EQ(boxes[0], (IntBox{{0, 0, 0}, {6, 2, 2}}));
-  EXPECT_EQ(boxes[1], (IntBox{{4, 0, 0}, {6, 6, 2}}));
+  const Built built = build(blob.view(), kFirstArm, kSecondArm, kCornerPath, CorridorKind::kExtents);
+  ASSERT_EQ(built.status, Status::kOk);
+  ASSERT_EQ(built.report.box_count, 2);
+  EXPECT_EQ(built.int_boxes[0], (IntBox{{0, 0, 0}, {6, 2, 2}}));
+  EXPECT_EQ(built.int_boxes[1], (IntBox{{4, 0, 0}, {6, 6, 2}}));
+  EXPECT_EQ(built.gates[0].lo, (Vector3{4, 0, 0}));
+  EXPECT_EQ(built.gates[0].hi, (Vector3{6, 2, 2}));
+  // Around the corner (4, 2), which lies on the straight line here.
+  EXPECT_NEAR(built.report.taut.length, 2 * std::sqrt(10.0), 2 * std::sqrt(10.0) * kGap);
+  EXPECT_EQ(built.points[0], kFirstArm);
+  EXPECT_EQ(built.points[2], kSecondArm);
+}
+
+TEST(BuildCorridor, KeepsABoxThatSavesADetour) {
+  // An empty hall. The extents of the first and the last cell run along two walls and meet in a corner at (1, 11): 20 m
+  // that way, 14.5 m across.
+  TestBlob blob({12, 12, 2}, {IntBox{{0, 0, 0}, {2, 2, 2}}, IntBox{{2, 0, 0}, {12, 10, 2}},
+                              IntBox{{2, 10, 0}, {12, 12, 2}}, IntBox{{0, 2, 0}, {2, 12, 2}}});
+  blob.set_extent(0, IntBox{{0, 0, 0}, {2, 12, 2}});
+  blob.set_extent(1, IntBox{{1, 0, 0}, {12, 11, 2}});
+  blob.set_extent(2, IntBox{{0, 10, 0}, {12, 12, 2}});
+  const std::array<CellIndex, 3> path{CellIndex{0}, CellIndex{1}, CellIndex{2}};
+  const Built built = build(blob.view(), {1, 1, 1}, {11, Real(11.5), 1}, path, CorridorKind::kExtents);
+  ASSERT_EQ(built.status, Status::kOk);
+  EXPECT_EQ(built.report.box_count, 3);
+  const double straight = std::hypot(10.0, 10.5);
+  EXPECT_NEAR(built.report.taut.length, straight, straight * kGap);
+}
+
+TEST(BuildCorridor, TheGoalLiesInTheLastBoxHoweverCloseItIsToAnEarlierOne) {
+  // The goal is a millimetre beyond the first box: within the slack of the cover, but not in the box.
+  TestBlob blob({20, 2, 2}, {IntBox{{0, 0, 0}, {10, 2, 2}}, IntBox{{10, 0, 0}, {20, 2, 2}}});
+  const std::array<CellIndex, 2> path{CellIndex{0}, CellIndex{1}};
+  const Built built = build(blob.view(), {1, 1, 1}, {Real(10.001), 1, 1}, path, CorridorKind::kExtents);
+  ASSERT_EQ(built.status, Status::kOk);
+  EXPECT_EQ(built.report.box_count, 2);
 }
 
 TEST(BuildCorridor, AnEdgeContactIsNoShortcut) {
-  // The extents of the first and the third cell touch in an edge only.
+  // The extents of the first and the third cell touch in an edge only, and the path runs close by.
   TestBlob blob({4, 4, 2},
                 {IntBox{{0, 0, 0}, {2, 2, 2}}, IntBox{{2, 0, 0}, {4, 2, 2}}, IntBox{{2, 2, 0}, {4, 4, 2}}});
   const std::array<CellIndex, 3> path{CellIndex{0}, CellIndex{1}, CellIndex{2}};
-  std::array<IntBox, 3> boxes{};
-  std::size_t count = 0;
-  ASSERT_EQ(build_corridor(blob.view(), path, CorridorKind::kExtents, true, boxes, count), Status::kOk);
-  ASSERT_EQ(count, 3);
-  for (std::size_t i = 0; i + 1 < count; ++i) EXPECT_TRUE(is_passage(intersection(boxes[i], boxes[i + 1])));
+  const Built built = build(blob.view(), {1, 1, 1}, {3, 3, 1}, path, CorridorKind::kExtents);
+  ASSERT_EQ(built.report.box_count, 3);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_TRUE(is_passage(intersection(built.int_boxes[i], built.int_boxes[i + 1])));
 }
 
 TEST(BuildCorridor, KeepsTheCellsOfThePaper) {
   TestBlob blob = corner_blob();
-  std::array<IntBox, 5> boxes{};
-  std::size_t count = 0;
-  ASSERT_EQ(build_corridor(blob.view(), kCornerPath, CorridorKind::kCells, false, boxes, count), Status::kOk);
-  ASSERT_EQ(count, 5);
-  for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(boxes[i], blob.view().cell(CellIndex(i)));
+  const Built built = build(blob.view(), kFirstArm, kSecondArm, kCornerPath, CorridorKind::kCells, false);
+  ASSERT_EQ(built.status, Status::kOk);
+  ASSERT_EQ(built.report.box_count, 5);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(built.int_boxes[i], blob.view().cell(CellIndex(i)));
+  EXPECT_EQ(built.gates[0].lo.x(), built.gates[0].hi.x());
 }
 
 TEST(BuildCorridor, RelaxesCellsWhenAsked) {
   TestBlob blob = corner_blob();
-  std::array<IntBox, 5> boxes{};
-  std::size_t count = 0;
-  ASSERT_EQ(build_corridor(blob.view(), kCornerPath, CorridorKind::kCells, true, boxes, count), Status::kOk);
-  ASSERT_EQ(count, 5);
-  EXPECT_EQ(boxes[0], (IntBox{{0, 0, 0}, {4, 2, 2}}));
-  for (std::size_t i = 0; i < count; ++i) EXPECT_TRUE(contains(boxes[i], blob.view().cell(CellIndex(i))));
+  const Built built = build(blob.view(), kFirstArm, kSecondArm, kCornerPath, CorridorKind::kCells, true);
+  ASSERT_EQ(built.status, Status::kOk);
+  ASSERT_EQ(built.report.box_count, 5);
+  EXPECT_EQ(built.int_boxes[0], (IntBox{{0, 0, 0}, {4, 2, 2}}));
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_TRUE(contains(built.int_boxes[i], blob.view().cell(CellIndex(i))));
 }
 
 TEST(BuildCorridor, OneCellIsACorridorOfOneBox) {
   TestBlob blob = corner_blob();
   const std::array<CellIndex, 1> path{CellIndex{3}};
   for (const CorridorKind kind : {CorridorKind::kExtents, CorridorKind::kCells}) {
-    std::array<IntBox, 1> boxes{};
-    std::size_t count = 0;
-    ASSERT_EQ(build_corridor(blob.view(), path, kind, true, boxes, count), Status::kOk);
-    EXPECT_EQ(count, 1);
+    const Built built = build(blob.view(), {5, 3, 1}, {5, Real(3.5), 1}, path, kind, true, 1);
+    ASSERT_EQ(built.status, Status::kOk);
+    EXPECT_EQ(built.report.box_count, 1);
+    EXPECT_NEAR(built.report.taut.length, 0.5, 1e-6);
   }
 }
 
 TEST(BuildCorridor, CapacityMinusOneExactAndPlusOne) {
   TestBlob blob = corner_blob();
-  std::array<IntBox, 6> boxes{};
-  std::size_t count = 0;
-  const auto build = [&](CorridorKind kind, std::size_t capacity) {
-    return build_corridor(blob.view(), kCornerPath, kind, true, std::span(boxes).first(capacity), count);
+  const auto status = [&](CorridorKind kind, std::size_t capacity) {
+    return build(blob.view(), kFirstArm, kSecondArm, kCornerPath, kind, true, capacity).status;
   };
-  EXPECT_EQ(build(CorridorKind::kExtents, 0), Status::kCorridorCapacity);
-  EXPECT_EQ(build(CorridorKind::kExtents, 1), Status::kCorridorCapacity);
-  EXPECT_EQ(build(CorridorKind::kExtents, 2), Status::kOk);
-  EXPECT_EQ(build(CorridorKind::kExtents, 3), Status::kOk);
-  EXPECT_EQ(build(CorridorKind::kCells, 4), Status::kCorridorCapacity);
-  EXPECT_EQ(build(CorridorKind::kCells, 5), Status::kOk);
-  EXPECT_EQ(build(CorridorKind::kCells, 6), Status::kOk);
+  EXPECT_EQ(status(CorridorKind::kExtents, 0), Status::kCorridorCapacity);
+  EXPECT_EQ(status(CorridorKind::kExtents, 1), Status::kCorridorCapacity);
+  EXPECT_EQ(status(CorridorKind::kExtents, 2), Status::kOk);  // thinned out before it is pulled taut
+  EXPECT_EQ(status(CorridorKind::kExtents, 3), Status::kOk);
+  EXPECT_EQ(status(CorridorKind::kCells, 4), Status::kCorridorCapacity);
+  EXPECT_EQ(status(CorridorKind::kCells, 5), Status::kOk);
+  EXPECT_EQ(status(CorridorKind::kCells, 6), Status::kOk);
 }
 
 template <std::size_t kGates>
