@@ -97,10 +97,15 @@ void for_each_overlapping(std::span<const BlobBox> index, std::size_t cell_count
 
 // ---------------------------------------------------------------------------------------------------- header checks
 
-bool is_finite(const BlobHeader& header) {
-  bool finite = std::isfinite(header.resolution) && std::isfinite(header.radius);
-  for (const double coordinate : header.origin) finite = finite && std::isfinite(coordinate);
-  return finite;
+/// Lengths that can be calculated with: no coordinate overflows, NaN is none of them.
+bool lengths_usable(const BlobHeader& header) {
+  constexpr double kSmallest = 1e-6;
+  constexpr double kLargest = 1e6;
+  constexpr double kFarthest = 1e12;
+  bool usable = header.resolution >= kSmallest && header.resolution <= kLargest;
+  usable = usable && header.radius >= 0 && header.radius <= kLargest;
+  for (const double coordinate : header.origin) usable = usable && coordinate >= -kFarthest && coordinate <= kFarthest;
+  return usable;
 }
 
 /// Sections follow each other without gaps but for the padding to 8 bytes, and hold exactly what the counts say.
@@ -126,7 +131,7 @@ bool header_consistent(const BlobHeader& header) {
   constexpr std::uint32_t kMaxUnitShift = 8;
   constexpr std::uint32_t kMaxSize = 65'535;
   constexpr std::uint32_t kMaxComponents = 65'536;
-  if (!is_finite(header) || !(header.resolution > 0) || header.radius < 0) return false;
+  if (!lengths_usable(header)) return false;
   if (header.unknown_policy > static_cast<std::uint32_t>(UnknownPolicy::kFree)) return false;
   if (header.unit_shift > kMaxUnitShift || header.reserved != 0) return false;
   for (const std::uint32_t size : header.size) {

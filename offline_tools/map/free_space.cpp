@@ -157,10 +157,8 @@ BitGrid far_from(const PaddedGrid& obstacles, const Neighbourhood& near, const s
   const std::int32_t slices = 2 * reach + 1;
   const std::vector<std::int32_t>& widths = near.distinct_widths();
   const auto rows = static_cast<std::size_t>(obstacles.bits.size()[1]);
-  struct Slice {
-    std::vector<Row> dilated;  ///< [row * widths + index of width]; empty where the row holds no obstacle
-  };
-  std::vector<Slice> ring(static_cast<std::size_t>(slices), Slice{std::vector<Row>(rows * widths.size())});
+  using Slice = std::vector<Row>;  // a row holds its dilations one after the other; empty where it has no obstacle
+  std::vector<Slice> ring(static_cast<std::size_t>(slices), Slice(rows));
   std::vector<std::size_t> width_index(static_cast<std::size_t>(reach) + 2);
   for (std::size_t i = 0; i < widths.size(); ++i) width_index[static_cast<std::size_t>(widths[i])] = i;
 
@@ -168,16 +166,15 @@ BitGrid far_from(const PaddedGrid& obstacles, const Neighbourhood& near, const s
     Slice& slice = ring[static_cast<std::size_t>(z % slices)];
     for (std::size_t y = 0; y < rows; ++y) {
       const auto source = obstacles.bits.row(static_cast<std::int32_t>(y), z);
-      const bool empty = std::all_of(source.begin(), source.end(), [](BitGrid::Word word) { return word == 0; });
+      Row& target = slice[y];
+      target.clear();
+      if (std::all_of(source.begin(), source.end(), [](BitGrid::Word word) { return word == 0; })) continue;
       Row row(source.begin(), source.end());
       std::int32_t width = 0;
-      for (std::size_t i = 0; i < widths.size(); ++i) {
-        Row& target = slice.dilated[y * widths.size() + i];
-        target.clear();
-        if (empty) continue;
-        dilate_row(row, widths[i] - width);
-        width = widths[i];
-        target = row;
+      for (const std::int32_t next : widths) {
+        dilate_row(row, next - width);
+        width = next;
+        target.insert(target.end(), row.begin(), row.end());
       }
     }
   };
@@ -195,10 +192,11 @@ BitGrid far_from(const PaddedGrid& obstacles, const Neighbourhood& near, const s
         for (std::int32_t dy = -reach; dy <= reach; ++dy) {
           const std::int32_t width = near.width(dy, dz);
           if (width < 0) continue;
-          const Row& row = slice.dilated[static_cast<std::size_t>(y + reach + dy) * widths.size() +
-                                         width_index[static_cast<std::size_t>(width)]];
+          const Row& row = slice[static_cast<std::size_t>(y + reach + dy)];
           if (row.empty()) continue;
-          for (std::size_t i = 0; i < blocked.size(); ++i) blocked[i] |= row[first_word + i];
+          const std::size_t dilation = width_index[static_cast<std::size_t>(width)];
+          const BitGrid::Word* words = row.data() + dilation * obstacles.bits.row_words() + first_word;
+          for (std::size_t i = 0; i < blocked.size(); ++i) blocked[i] |= words[i];
         }
       }
       far.set({{0, y, z}, {far.size()[0], y + 1, z + 1}});
@@ -252,9 +250,9 @@ Expected<FreeSpace> compute_free_space(const VoxelMap& map, const std::string& s
   space.unit_shift = choose_unit_shift(voxels, map.resolution, options.radius);
   const double unit = std::ldexp(map.resolution, -static_cast<int>(space.unit_shift));
   const double reach_in_units = options.radius / unit;
-  constexpr double kMaxReach = 1000;
+  constexpr double kMaxReach = 64;  // a limit on time and memory: both grow with its square
   if (!(reach_in_units <= kMaxReach)) {
-    return bad_file(source + ": the radius is over 1,000 voxels; give --radius in metres");
+    return bad_file(source + ": --radius is over 64 voxels; use a coarser map, or a smaller radius");
   }
   const Neighbourhood near(reach_in_units);
 

@@ -161,7 +161,10 @@ TEST(BoxGraphView, RefusesAHeaderThatContradictsItselfUnderARightChecksum) {
   expect_inconsistent([](TestBlob& b) { b.header().resolution = 0; });
   expect_inconsistent([](TestBlob& b) { b.header().resolution = std::numeric_limits<double>::quiet_NaN(); });
   expect_inconsistent([](TestBlob& b) { b.header().origin[2] = std::numeric_limits<double>::infinity(); });
+  expect_inconsistent([](TestBlob& b) { b.header().resolution = 1e300; });
+  expect_inconsistent([](TestBlob& b) { b.header().origin[0] = -1e300; });
   expect_inconsistent([](TestBlob& b) { b.header().radius = -0.5; });
+  expect_inconsistent([](TestBlob& b) { b.header().radius = std::numeric_limits<double>::quiet_NaN(); });
   expect_inconsistent([](TestBlob& b) { b.header().unknown_policy = 3; });
   expect_inconsistent([](TestBlob& b) { b.header().unit_shift = 9; });
   expect_inconsistent([](TestBlob& b) { b.header().reserved = 1; });
