@@ -149,6 +149,53 @@ TEST(DualActiveSet, ATighterParallelRowReplacesTheLooserOne) {
   EXPECT_NEAR(solver.solution()[1], fixture.optimum[1] - 2, kIsDouble ? 1e-12 : 1e-5);
 }
 
+TEST(DualActiveSet, MergingTwoRowsKeepsTheOthersAndTheOptimality) {
+  Fixture<6> fixture(8);
+  DualActiveSet solver(fixture.spans(), kBlocks, 100);
+  const auto row_at = [&](Real tilt) {
+    QpRow row;
+    row.block = 1;
+    row.coefficients = {1, tilt, 0, 0, 0, 0};
+    row.bound = fixture.optimum[3] + tilt * fixture.optimum[4] - 1;
+    return row;
+  };
+  QpRow other;
+  other.block = 3;
+  other.coefficients[2] = -1;
+  other.bound = -fixture.optimum[11] - 1;
+  ASSERT_EQ(solver.enforce(row_at(Real(-0.3))), Status::kOk);
+  ASSERT_EQ(solver.enforce(other), Status::kOk);
+  ASSERT_EQ(solver.enforce(row_at(Real(0.9))), Status::kOk);
+  ASSERT_EQ(solver.active_count(), std::size_t{3});
+  ASSERT_EQ(solver.merge(0, 2, row_at(0)), Status::kOk);
+  ASSERT_EQ(solver.active_count(), std::size_t{2});
+  std::array<Real, kUnknowns> merged{};
+  std::copy(solver.solution().begin(), solver.solution().end(), merged.begin());
+  Fixture<6> fresh(8);
+  DualActiveSet direct(fresh.spans(), kBlocks, 100);
+  ASSERT_EQ(direct.enforce(other), Status::kOk);
+  ASSERT_EQ(direct.enforce(row_at(0)), Status::kOk);
+  for (std::size_t i = 0; i < kUnknowns; ++i) EXPECT_NEAR(merged[i], direct.solution()[i], kIsDouble ? 1e-10 : 1e-3);
+}
+
+TEST(DualActiveSet, StartingFromTheRowsOfAnEarlierSolveEndsWhereItEnded) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Fixture<kRows> cold(seed);
+    test::Random random(seed + 5000);
+    std::array<QpRow, kRows> rows;
+    for (QpRow& row : rows) row = random_row(random);
+    DualActiveSet first(cold.spans(), kBlocks, 1000);
+    if (solve_all(first, rows) != Status::kOk) continue;
+    Fixture<kRows> warm(seed);
+    DualActiveSet second(warm.spans(), kBlocks, 1000);
+    ASSERT_EQ(second.start_from(first.active_rows()), Status::kOk);
+    ASSERT_EQ(solve_all(second, rows), Status::kOk);
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
+      EXPECT_NEAR(second.solution()[i], first.solution()[i], kIsDouble ? 1e-8 : 2e-2);
+    }
+  }
+}
+
 TEST(DualActiveSet, FullCapacityAndSpentIterationsAreReportedNotOverrun) {
   Fixture<2> fixture(4);
   DualActiveSet solver(fixture.spans(), kBlocks, 100);
