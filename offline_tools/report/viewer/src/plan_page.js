@@ -30,7 +30,7 @@ function page_markup(title, report, trajectory) {
       <button type="button" class="theme" aria-label="Light or dark" title="Light or dark"></button></header>
     ${headline(plan)}
     <section class="view" aria-label="3-D view"></section>
-    ${trajectory && html`<section><h2>Over time</h2>
+    ${trajectory && html`<section><h2>Over time <output></output></h2>
       <p class="key"><i class="band"></i>inside the box of the moment <i class="limit"></i>limit <i class="junction"></i>next segment</p>
       <div class="plots"></div></section>`}
     <section><h2>Numbers</h2>${plan_numbers(plan, obstacles)}</section>`.text;
@@ -140,8 +140,10 @@ function legend_markup(fastest) {
 }
 
 function connect_plots(host, plan, trajectory, view) {
+  const readout = host.parentElement.querySelector('h2 output');
   const follow = (t) => {
     plots.set_time(t);
+    readout.textContent = t === null ? '' : `at ${fixed(t, 2)} s`;
     view?.place('vehicle', t === null ? null : trajectory.sample(t).position);
   };
   const plots = new Plots(host, plan_panels(plan, trajectory), {
