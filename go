@@ -32,13 +32,16 @@ install() {
   DEBIAN_FRONTEND=noninteractive "${command[@]}"
 }
 
+# build_target PRESET TARGET
+build_target() {
+  if [[ ! -f build/$1/build.ninja ]]; then cmake --preset "$1"; fi
+  cmake --build "build/$1" -j "$jobs" --target "$2"
+}
+
 # build PRESET...
 build() {
   local preset
-  for preset in "$@"; do
-    [[ -f build/$preset/build.ninja ]] || cmake --preset "$preset"
-    cmake --build "build/$preset" -j "$jobs"
-  done
+  for preset in "$@"; do build_target "$preset" all; done
 }
 
 # sources: every C++ file of ours, one a line.
@@ -87,7 +90,7 @@ show() {
 
 demo() {
   install "${host_packages[@]}"
-  build host-release
+  build_target host-release swiftlet
   local map
   map=$(real_map)
   mkdir -p out
@@ -159,7 +162,7 @@ test) run_tests ;;
 check) check ;;
 demo) demo ;;
 run)
-  build host-release >&2
+  build_target host-release swiftlet >&2
   exec "$program" "$@"
   ;;
 bench) bench "$@" ;;
