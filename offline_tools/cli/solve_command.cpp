@@ -33,14 +33,14 @@ Memory memory;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): l
 
 CertificateRequest certificate_request(const TrajectoryCase& problem) {
   constexpr Real kUnlimited = std::numeric_limits<Real>::infinity();
-  return {problem.boxes,
-          problem.gates,
-          problem.start,
-          problem.goal,
-          Vector3::Constant(problem.v_max),
-          Vector3::Constant(problem.a_max),
-          kUnlimited,
-          kUnlimited};
+  return {.boxes = problem.boxes,
+          .gates = problem.gates,
+          .start = problem.start,
+          .goal = problem.goal,
+          .v_max = Vector3::Constant(problem.v_max),
+          .a_max = Vector3::Constant(problem.a_max),
+          .speed_max = kUnlimited,
+          .acceleration_norm_max = kUnlimited};
 }
 
 std::string describe_blocking(const Blocking& blocking) {
@@ -62,14 +62,14 @@ CaseAnswer solve_case(const TrajectoryCase& problem) {
     answer.reason = std::to_string(count) + " boxes; this board holds " + std::to_string(kBoard.segments);
     return answer;
   }
-  const TrajectoryProblem posed{problem.boxes,
-                                problem.gates,
-                                problem.durations,
-                                problem.start,
-                                problem.goal,
-                                Vector3::Constant(problem.v_max),
-                                Vector3::Constant(problem.a_max),
-                                problem.margins};
+  const TrajectoryProblem posed{.boxes = problem.boxes,
+                                .gates = problem.gates,
+                                .durations = problem.durations,
+                                .start = problem.start,
+                                .goal = problem.goal,
+                                .v_max = Vector3::Constant(problem.v_max),
+                                .a_max = Vector3::Constant(problem.a_max),
+                                .margins = problem.margins};
   const std::span<Segment> segments(memory.segments.data(), count);
   const TrajectorySpans spans = memory.trajectory.spans();
   const Stopwatch stopwatch;

@@ -47,7 +47,8 @@ struct Door {
 int room_low(int room) { return room * kRoomPitch; }
 int room_high(int room) { return room == kRooms - 1 ? kMazeSize - 1 : (room + 1) * kRoomPitch - 2; }
 std::size_t room_index(const Room& room) {
-  return static_cast<std::size_t>((room[2] * kRooms + room[1]) * kRooms + room[0]);
+  const int index = (room[2] * kRooms + room[1]) * kRooms + room[0];
+  return static_cast<std::size_t>(index);
 }
 
 void build_walls(VoxelGrid& grid) {
