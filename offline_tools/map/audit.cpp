@@ -149,6 +149,7 @@ class Audit {
     }
     std::vector<GridBox> unknown;
     find_uncovered(near, known, unknown);
+    known = {};  // the largest of them all in a big map
     progress_("verify: read", 1);
 
     const auto policy = static_cast<UnknownPolicy>(header_.unknown_policy);

@@ -189,7 +189,7 @@ Failure parse_ply(std::span<const std::byte> file, std::string_view text, PointC
   bool has_format = false;
   while (lines.next(line)) {
     const std::vector<std::string_view> words = words_of(line);
-    const std::string place = "has a damaged header in line " + std::to_string(lines.number());
+    std::string place = "has a damaged header in line " + std::to_string(lines.number());
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") {
       if (!has_format) return "has a damaged header: no format";

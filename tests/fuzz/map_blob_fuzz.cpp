@@ -46,6 +46,7 @@ void use(const BoxGraphView& view) {
 
 /// The input is a blob whose size and checksum are put right first: a fuzzer cannot guess a CRC, an attacker computes
 /// it.
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it so
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<std::uint64_t> aligned((size + 7) / 8);
   if (size > 0) std::memcpy(aligned.data(), data, size);

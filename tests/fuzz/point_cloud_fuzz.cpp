@@ -10,6 +10,7 @@
 
 /// The first byte chooses the format. Any bytes are a cloud of finite points or one line of refusal, and a cloud's
 /// octree is readable.
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it so
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::string name = data[0] % 3 == 0 ? "a.ply" : data[0] % 3 == 1 ? "a.pcd" : "a.xyz";

@@ -4,6 +4,7 @@
 
 #include "map/file_io.hpp"
 
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it so
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 /// Runs a fuzz target over the files of a folder, and over every prefix and single-bit change of each, so that every

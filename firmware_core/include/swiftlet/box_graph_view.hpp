@@ -19,11 +19,13 @@ class NeighbourRange {
  public:
   class Iterator {
    public:
+    // NOLINTBEGIN(readability-identifier-naming): the names of the standard library
     using iterator_category = std::forward_iterator_tag;
     using value_type = CellIndex;
     using difference_type = std::ptrdiff_t;
     using pointer = const CellIndex*;
     using reference = CellIndex;
+    // NOLINTEND(readability-identifier-naming)
 
     Iterator() = default;
     CellIndex operator*() const { return static_cast<CellIndex>(value_); }
