@@ -1,7 +1,6 @@
 // `swiftlet plan`, `map` and `world` as the contract describes them.
 #include <algorithm>
 #include <cmath>
-#include <regex>
 #include <sstream>
 #include <string>
 
@@ -45,7 +44,9 @@ TEST_F(Program, PlanHasEveryFieldOfTheContract) {
   EXPECT_EQ(json["format"], "swiftlet-plan/1");
   EXPECT_EQ(json["status"], "optimal");
   EXPECT_EQ(json["map"]["path"], path("rooms.swm"));
-  EXPECT_TRUE(std::regex_match(json["map"]["crc32"].get<std::string>(), std::regex("[0-9a-f]{8}")));
+  const std::string crc = json["map"]["crc32"].get<std::string>();
+  EXPECT_EQ(crc.size(), 8U);
+  EXPECT_EQ(crc.find_first_not_of("0123456789abcdef"), std::string::npos) << crc;
   EXPECT_EQ(json["map"]["resolution_m"], 0.1);
   EXPECT_EQ(json["map"]["radius_m"], 0.15);
   EXPECT_EQ(json["request"]["start"]["position"], Json::array({-0.75, -0.75, 0.5}));
