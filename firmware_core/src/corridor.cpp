@@ -16,10 +16,10 @@ using Matrix3 = Eigen::Matrix<Real, 3, 3>;
 // A leg is smoothed over kSmoothing times the barrier's strength: the stiffer legs then stay curved long enough for the
 // tensions to settle while the barrier shrinks. Measured on random chains: 4 takes half as many steps again, 1 stalls.
 constexpr Real kSmoothing = 10;
-constexpr Real kFirstBarrier = Real(0.1);    // of the mean leg
-constexpr Real kShrink = Real(0.3);          // of the barrier after a good step
-constexpr Real kToBoundary = Real(0.98);     // share of the way to a face that a step may take
-constexpr Real kFirstInset = Real(0.1);      // of a gate's width, by which the first points stay off its faces
+constexpr Real kFirstBarrier = Real(0.1);  // of the mean leg
+constexpr Real kShrink = Real(0.3);        // of the barrier after a good step
+constexpr Real kToBoundary = Real(0.98);   // share of the way to a face that a step may take
+constexpr Real kFirstInset = Real(0.1);    // of a gate's width, by which the first points stay off its faces
 
 bool is_thin(const Box& gate, Eigen::Index axis) { return !(gate.lo[axis] < gate.hi[axis]); }
 
@@ -105,8 +105,8 @@ class TautPath {
     return sum;
   }
 
-  /// For tensions u in the unit ball, |d| >= u.d on each leg; summed by parts, the least of the right-hand side over all
-  /// points of the gates bounds the length of every polyline. Relative to the start, for the sake of digits.
+  /// For tensions u in the unit ball, |d| >= u.d on each leg; summed by parts, the least of the right-hand side over
+  /// all points of the gates bounds the length of every polyline. Relative to the start, for the sake of digits.
   [[nodiscard]] Real lower_bound() const {
     const Vector3& start = points_[0];
     Real bound = nodes_[legs_ - 1].tension.dot(points_[legs_] - start);
@@ -311,8 +311,8 @@ Stretch stretch_inside(const Box& box, std::span<const Vector3> points, std::siz
   return stretch;
 }
 
-/// Of a chain of boxes with leg i of `points` in box i, keeps in place those that cover the path going forward, each time
-/// the one that reaches furthest of those that begin before the last one ends. Returns how many.
+/// Of a chain of boxes with leg i of `points` in box i, keeps in place those that cover the path going forward, each
+/// time the one that reaches furthest of those that begin before the last one ends. Returns how many.
 ///   slack  [m] by which the path may pass outside a box that still counts as covering it
 std::size_t cover_path(std::span<IntBox> int_boxes, std::span<const Box> boxes, std::span<const Vector3> points,
                        Real slack, std::span<TautNode> scratch) {

@@ -28,13 +28,16 @@ float distance(const Point& a, const Point& b) {
   return std::sqrt(x * x + y * y + z * z);
 }
 
-// ----------------------------------------------------------------------------------------------------- where windows are
+// ----------------------------------------------------------------------------------------------------- where windows
+// are
 
 /// Gives each window the one point that stands for it throughout a query.
 class Representative {
  public:
   Representative(SearchMode mode, const Point& start, const Point& goal)
-      : centre_(mode != SearchMode::kDefault), start_(start), along_{goal.x - start.x, goal.y - start.y, goal.z - start.z} {
+      : centre_(mode != SearchMode::kDefault),
+        start_(start),
+        along_{goal.x - start.x, goal.y - start.y, goal.z - start.z} {
     const float squared = along_.x * along_.x + along_.y * along_.y + along_.z * along_.z;
     per_length_ = squared > 0 ? 1 / squared : 0;
   }
@@ -43,7 +46,8 @@ class Representative {
     const Point centre = {middle(window, 0), middle(window, 1), middle(window, 2)};
     if (centre_) return centre;
     // Where the line passes the window's centre; shortest paths keep to the side of their windows that faces it.
-    const float dot = (centre.x - start_.x) * along_.x + (centre.y - start_.y) * along_.y + (centre.z - start_.z) * along_.z;
+    const float dot =
+        (centre.x - start_.x) * along_.x + (centre.y - start_.y) * along_.y + (centre.z - start_.z) * along_.z;
     const float share = std::clamp(dot * per_length_, 0.0F, 1.0F);
     return {clamp_to(window, 0, start_.x + share * along_.x), clamp_to(window, 1, start_.y + share * along_.y),
             clamp_to(window, 2, start_.z + share * along_.z)};
@@ -63,9 +67,11 @@ class Representative {
   float per_length_;
 };
 
-// ------------------------------------------------------------------------------------------------------------ open list
+// ------------------------------------------------------------------------------------------------------------ open
+// list
 
-/// Binary heap of nodes, least priority first, ties by node index. Each node knows its position, so its priority can fall.
+/// Binary heap of nodes, least priority first, ties by node index. Each node knows its position, so its priority can
+/// fall.
 class OpenList {
  public:
   OpenList(std::span<OpenEntry> entries, std::span<SearchNode> nodes) : entries_(entries), nodes_(nodes) {}
@@ -114,7 +120,8 @@ class OpenList {
   std::size_t count_ = 0;
 };
 
-// ----------------------------------------------------------------------------------------------------------- node table
+// ----------------------------------------------------------------------------------------------------------- node
+// table
 
 /// The reached windows, found by their two cells in either order. Only as much of the hash is used, and cleared, as the
 /// nodes ask for: a short search in a large table stays short.
@@ -175,12 +182,13 @@ class NodeTable {
   std::size_t slot_ = 0;
 };
 
-// --------------------------------------------------------------------------------------------------------------- search
+// ---------------------------------------------------------------------------------------------------------------
+// search
 
 class Search {
  public:
-  Search(const BoxGraphView& graph, CellIndex start_cell, const Vector3& start, CellIndex goal_cell, const Vector3& goal,
-         const SearchOptions& options, const SearchScratch& scratch)
+  Search(const BoxGraphView& graph, CellIndex start_cell, const Vector3& start, CellIndex goal_cell,
+         const Vector3& goal, const SearchOptions& options, const SearchScratch& scratch)
       : graph_(graph),
         start_cell_(static_cast<std::uint32_t>(start_cell)),
         goal_cell_(static_cast<std::uint32_t>(goal_cell)),

@@ -18,8 +18,8 @@ class SpeedProfile {
     ramp_ = v_cruise_ * v_cruise_ / (2 * a_max_);
   }
 
-  /// Time [s] from one place on the way to a later one. Phase by phase, so that a short leg far from the start keeps all
-  /// its digits, which the difference of two times since the start would lose.
+  /// Time [s] from one place on the way to a later one. Phase by phase, so that a short leg far from the start keeps
+  /// all its digits, which the difference of two times since the start would lose.
   [[nodiscard]] Real time_between(Real from, Real to) const {
     const Real cruise_end = length_ - ramp_;
     Real time = 0;

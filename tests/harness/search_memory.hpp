@@ -7,8 +7,8 @@
 
 namespace swiftlet::test {
 
-/// Storage of a search that reaches at most `kNodes` windows (a power of two, so that the hash is one as well). It starts
-/// full of rubbish, which a search must not mind.
+/// Storage of a search that reaches at most `kNodes` windows (a power of two, so that the hash is one as well). It
+/// starts full of rubbish, which a search must not mind.
 template <std::size_t kNodes>
 class SearchMemory {
  public:

@@ -1,5 +1,3 @@
-#include "swiftlet/corridor.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "swiftlet/corridor.hpp"
 #include "swiftlet_test.hpp"
 
 namespace {
@@ -108,8 +107,8 @@ class ChainMaker {
   std::mt19937 random_;
 };
 
-/// Weak duality, written down again in double: |d| >= u.d for |u| <= 1, so the least value of the sum of u_i.d_i over all
-/// points of the gates bounds the length of every polyline through them.
+/// Weak duality, written down again in double: |d| >= u.d for |u| <= 1, so the least value of the sum of u_i.d_i over
+/// all points of the gates bounds the length of every polyline through them.
 double independent_lower_bound(const Chain& chain, const std::vector<TautNode>& nodes) {
   const std::size_t legs = chain.gates.size() + 1;
   std::vector<Eigen::Vector3d> tension;

@@ -1,5 +1,3 @@
-#include "swiftlet/corridor_search.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "search_memory.hpp"
+#include "swiftlet/corridor_search.hpp"
 #include "swiftlet_test.hpp"
 #include "unit/test_blob.hpp"
 
@@ -38,7 +37,8 @@ std::vector<IntBox> random_cells(std::mt19937& random) {
     const int edge = low.hi[axis] - low.lo[axis];
     if (edge < 2) continue;
     IntBox high = low;
-    low.hi[axis] = high.lo[axis] = static_cast<std::uint16_t>(low.lo[axis] + 1 + static_cast<int>(random() % (edge - 1)));
+    low.hi[axis] = high.lo[axis] =
+        static_cast<std::uint16_t>(low.lo[axis] + 1 + static_cast<int>(random() % (edge - 1)));
     boxes.push_back(high);
   }
   std::shuffle(boxes.begin(), boxes.end(), random);
@@ -58,8 +58,9 @@ double shortest_by_relaxation(const std::vector<IntBox>& cells, std::size_t star
     for (std::size_t j = 0; j < i; ++j) {
       const IntBox window = intersection(cells[i], cells[j]);
       if (!is_passage(window)) continue;
-      vertices.push_back({Eigen::Vector3d(window.lo[0] + window.hi[0], window.lo[1] + window.hi[1],
-                                          window.lo[2] + window.hi[2]) / 2, i, j});
+      vertices.push_back(
+          {Eigen::Vector3d(window.lo[0] + window.hi[0], window.lo[1] + window.hi[1], window.lo[2] + window.hi[2]) / 2,
+           i, j});
     }
   }
   std::vector<double> cost(vertices.size(), std::numeric_limits<double>::infinity());
@@ -104,8 +105,7 @@ TEST(CorridorSearchProperty, PlainAndLandmarksFindTheShortestPathOfThePaperAndWe
     const std::size_t to = random() % cells.size();
     const Vector3 start = random_point(cells[from], random);
     const Vector3 goal = random_point(cells[to], random);
-    const double shortest =
-        shortest_by_relaxation(cells, from, start.cast<double>(), to, goal.cast<double>());
+    const double shortest = shortest_by_relaxation(cells, from, start.cast<double>(), to, goal.cast<double>());
 
     std::vector<CellIndex> path(40);
     std::size_t length = 0;

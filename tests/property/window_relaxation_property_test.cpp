@@ -1,5 +1,3 @@
-#include "swiftlet/window_relaxation.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "swiftlet/window_relaxation.hpp"
 #include "swiftlet_test.hpp"
 
 namespace {
@@ -80,9 +79,9 @@ bool lies_inside_union(const IntBox& box, const Cells& cells) {
   for (std::uint16_t x = box.lo[0]; x < box.hi[0]; ++x) {
     for (std::uint16_t y = box.lo[1]; y < box.hi[1]; ++y) {
       for (std::uint16_t z = box.lo[2]; z < box.hi[2]; ++z) {
-        const IntBox cube{{x, y, z},
-                          {static_cast<std::uint16_t>(x + 1), static_cast<std::uint16_t>(y + 1),
-                           static_cast<std::uint16_t>(z + 1)}};
+        const IntBox cube{
+            {x, y, z},
+            {static_cast<std::uint16_t>(x + 1), static_cast<std::uint16_t>(y + 1), static_cast<std::uint16_t>(z + 1)}};
         if (std::none_of(cells.begin(), cells.end(), [&](const IntBox& cell) { return contains(cell, cube); })) {
           return false;
         }

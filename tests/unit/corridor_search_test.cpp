@@ -176,7 +176,8 @@ TEST(CorridorSearch, AWeightNeverCostsMoreThanItself) {
     const SearchOptions options{.mode = SearchMode::kPlain, .weight = weight};
     return find(blob.view(), {1, 3, 1}, {7, 3, 1}, options, memory.scratch()).report.cost;
   };
-  for (const Real weight : {Real(1.5), Real(3), Real(1000)}) EXPECT_LE(cost(weight), weight * cost(1) + Real(kTolerance));
+  for (const Real weight : {Real(1.5), Real(3), Real(1000)})
+    EXPECT_LE(cost(weight), weight * cost(1) + Real(kTolerance));
 }
 
 TEST(CorridorSearch, StartAndGoalOnWindowsAreFine) {

@@ -52,10 +52,9 @@ Built build(const BoxGraphView& graph, const Vector3& start, const Vector3& goal
             CorridorKind kind, bool relax = true, std::size_t capacity = 8) {
   Built built;
   std::array<TautNode, 9> nodes;
-  built.status =
-      build_corridor(graph, start, goal, cells, kind, relax,
-                     {std::span(built.int_boxes).first(capacity), built.boxes, built.gates, built.points, nodes},
-                     built.report);
+  built.status = build_corridor(
+      graph, start, goal, cells, kind, relax,
+      {std::span(built.int_boxes).first(capacity), built.boxes, built.gates, built.points, nodes}, built.report);
   return built;
 }
 
@@ -104,8 +103,7 @@ TEST(BuildCorridor, TheGoalLiesInTheLastBoxHoweverCloseItIsToAnEarlierOne) {
 
 TEST(BuildCorridor, AnEdgeContactIsNoShortcut) {
   // The extents of the first and the third cell touch in an edge only, and the path runs close by.
-  TestBlob blob({4, 4, 2},
-                {IntBox{{0, 0, 0}, {2, 2, 2}}, IntBox{{2, 0, 0}, {4, 2, 2}}, IntBox{{2, 2, 0}, {4, 4, 2}}});
+  TestBlob blob({4, 4, 2}, {IntBox{{0, 0, 0}, {2, 2, 2}}, IntBox{{2, 0, 0}, {4, 2, 2}}, IntBox{{2, 2, 0}, {4, 4, 2}}});
   const std::array<CellIndex, 3> path{CellIndex{0}, CellIndex{1}, CellIndex{2}};
   const Built built = build(blob.view(), {1, 1, 1}, {3, 3, 1}, path, CorridorKind::kExtents);
   ASSERT_EQ(built.report.box_count, 3);
@@ -195,8 +193,8 @@ TEST(PullTaut, BendsAtTheInnerCorner) {
 }
 
 TEST(PullTaut, MovesCoincidentPointsOfWindowsThatShareAnEdge) {
-  // Two windows that meet in the edge x = 1, y = 0: the shortest way bends on the edge, where both points coincide. Moving
-  // one point at a time stalls here.
+  // Two windows that meet in the edge x = 1, y = 0: the shortest way bends on the edge, where both points coincide.
+  // Moving one point at a time stalls here.
   const std::array<Box, 2> gates{Box{{1, -4, 0}, {1, 0, 8}}, Box{{1, 0, 0}, {5, 0, 8}}};
   const auto pulled = pull({0, -1, 1}, {2, 1, 7}, gates);
   const double by_hand = std::sqrt(8.0 + 36.0);  // both legs straight in the unfolded plane, here the straight line
@@ -216,7 +214,8 @@ TEST(PullTaut, FindsTheBestPlaceAlongAnEdgeByReflection) {
 }
 
 TEST(PullTaut, ALoopThroughAFarGateIsOutAndBack) {
-  const std::array<Box, 3> gates{Box{{-1, -1, -1}, {1, 1, 1}}, Box{{5, -1, -1}, {6, 1, 1}}, Box{{-1, -1, -1}, {1, 1, 1}}};
+  const std::array<Box, 3> gates{Box{{-1, -1, -1}, {1, 1, 1}}, Box{{5, -1, -1}, {6, 1, 1}},
+                                 Box{{-1, -1, -1}, {1, 1, 1}}};
   const auto pulled = pull({0, 0, 0}, {0, 0, 0}, gates);
   EXPECT_NEAR(pulled.report.length, 10, 10 * kGap);
   EXPECT_LE(pulled.report.lower_bound, 10 + 1e-5);

@@ -8,10 +8,11 @@
 namespace {
 
 using swiftlet::IntBox;
-using swiftlet::Relaxation;
 using swiftlet::relax_windows;
+using swiftlet::Relaxation;
 
-// Cells of an octree in the plane, one unit high: L is 4 x 4, S is 2 x 2. "Entry" and "exit" are those of the middle cell.
+// Cells of an octree in the plane, one unit high: L is 4 x 4, S is 2 x 2. "Entry" and "exit" are those of the middle
+// cell.
 
 TEST(WindowRelaxation, Case1SmallToLargeAfterForwardGoesForwardAgain) {
   std::array<IntBox, 3> cells{IntBox{{0, 0, 0}, {1, 1, 1}}, IntBox{{1, 0, 0}, {3, 2, 1}}, IntBox{{3, 0, 0}, {7, 4, 1}}};

@@ -15,7 +15,8 @@ enum class CorridorKind : std::uint8_t {
   kCells,    ///< the paper's: cells and windows
 };
 
-/// Relative gap to which a taut path is proven, and a cap of its Newton steps (25,000 random chains: 4 to 11 at the median, at most 19).
+/// Relative gap to which a taut path is proven, and a cap of its Newton steps (25,000 random chains: 4 to 11 at the
+/// median, at most 19).
 inline constexpr Real kTautGap = Real(1e-3);
 inline constexpr int kTautSteps = 60;
 
@@ -34,14 +35,14 @@ struct TautReport {
   int steps = 0;         ///< Newton steps taken
 };
 
-/// The shortest polyline from start to goal through the gates in order: length - lower_bound <= kTautGap * length, unless
-/// the cap of steps was met (report.steps == kTautSteps).
+/// The shortest polyline from start to goal through the gates in order: length - lower_bound <= kTautGap * length,
+/// unless the cap of steps was met (report.steps == kTautSteps).
 ///   gates    M - 1 boxes in frame W [m]; thin on an axis where lo equals hi
 ///   points   receives start, one point of each gate, goal: M + 1 elements [m]
 ///   nodes    at least M + 1 elements, contents irrelevant; when steps > 0, the tensions afterwards prove lower_bound
-/// A primal-dual interior-point method for sums of Euclidean norms (Andersen, Christiansen, Conn and Overton, SIAM J. Sci.
-/// Comput. 22, 2000): all junctions move together through a block-tridiagonal Newton system, and the tensions of the legs
-/// give the bound. Cost O(M) a step.
+/// A primal-dual interior-point method for sums of Euclidean norms (Andersen, Christiansen, Conn and Overton, SIAM J.
+/// Sci. Comput. 22, 2000): all junctions move together through a block-tridiagonal Newton system, and the tensions of
+/// the legs give the bound. Cost O(M) a step.
 TautReport pull_taut(const Vector3& start, const Vector3& goal, std::span<const Box> gates, std::span<Vector3> points,
                      std::span<TautNode> nodes);
 
@@ -59,12 +60,12 @@ struct CorridorReport {
   TautReport taut;            ///< of the points
 };
 
-/// From the cells of a path to boxes whose consecutive members share a passage (`is_passage`), the gates between them and
-/// the taut path through them.
-/// kExtents pulls the path taut through the extents of all cells, then keeps the fewest of them, going forward, that
-/// cover it within 0.5 % of its length, so a box goes only where the path can do without it. (To drop whatever lies between
-/// two extents that share a passage gives fewer boxes and detours: up to 17 % on the power-plant map.)
-/// kCells keeps the cells; `relax` applies the relaxation of Sec. IV-E to them (window_relaxation.hpp).
+/// From the cells of a path to boxes whose consecutive members share a passage (`is_passage`), the gates between them
+/// and the taut path through them. kExtents pulls the path taut through the extents of all cells, then keeps the fewest
+/// of them, going forward, that cover it within 0.5 % of its length, so a box goes only where the path can do without
+/// it. (To drop whatever lies between two extents that share a passage gives fewer boxes and detours: up to 17 % on the
+/// power-plant map.) kCells keeps the cells; `relax` applies the relaxation of Sec. IV-E to them
+/// (window_relaxation.hpp).
 ///   start, goal  [m] frame W, inside the first and the last cell
 ///   cells        start cell ... goal cell, as find_cell_path returns them; at least one
 /// Cost O(cells * M). Errors: kCorridorCapacity when the spans are too short. A path of more cells than they hold is

@@ -35,8 +35,8 @@ struct OpenEntry {
   std::uint32_t node;  ///< index into nodes
 };
 
-/// Storage of one search, owned by the caller; contents irrelevant, nothing is kept between calls. `open` holds at least
-/// as many elements as `nodes`; `hash` holds a power of two of at least twice as many. 32 bytes a window in all.
+/// Storage of one search, owned by the caller; contents irrelevant, nothing is kept between calls. `open` holds at
+/// least as many elements as `nodes`; `hash` holds a power of two of at least twice as many. 32 bytes a window in all.
 struct SearchScratch {
   std::span<SearchNode> nodes;
   std::span<OpenEntry> open;
@@ -49,8 +49,8 @@ struct SearchReport {
   Real cost = 0;               ///< [m] of the path found, on the mode's own graph
 };
 
-/// A* with windows as vertices (paper Sec. III-B; eq. (2) prints w^y1 in the row of z, we use w^z1). A window is expanded
-/// into the cell beyond it only: what lies on its near side is reached from its parent at no more cost.
+/// A* with windows as vertices (paper Sec. III-B; eq. (2) prints w^y1 in the row of z, we use w^z1). A window is
+/// expanded into the cell beyond it only: what lies on its near side is reached from its parent at no more cost.
 ///   start, goal   [m] frame W, inside the closed cells start_cell and goal_cell
 ///   path          receives start_cell ... goal_cell, consecutive cells sharing a window; path_length elements
 /// Optimal on the mode's graph for weight 1, to the rounding of float costs (1e-6 of the cost); ties break by index, so
