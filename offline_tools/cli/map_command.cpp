@@ -16,6 +16,7 @@
 #include "cli/json.hpp"
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
+#include "map/audit.hpp"
 #include "map/map_builder.hpp"
 #include "map/map_report.hpp"
 #include "map/voxel_map.hpp"
@@ -34,6 +35,7 @@ struct BuildCommand {
   std::string unknown = "avoid";
   std::string partition = "boxes";
   std::uint64_t coarsen = 1;
+  bool no_verify = false;
   MapBuildOptions build;
 };
 
@@ -42,9 +44,17 @@ struct InfoCommand {
   std::string json;
 };
 
-/// One line that is written over, on a terminal; nothing elsewhere.
+struct VerifyCommand {
+  std::string map;
+  std::string source;
+};
+
+/// One line that is written over, on a terminal, and gone with this object; nothing elsewhere.
 class ProgressLine {
  public:
+  ProgressLine() = default;
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
   ~ProgressLine() {
     if (shown_) std::fprintf(stderr, "\r\033[K");
   }
@@ -97,17 +107,51 @@ void print_report(const MapReport& report) {
   if (report.largest_component < kGoodShare) print_row("note", advice_on_pieces(report));
 }
 
+AuditReport audit(const BoxGraphView& graph, const VoxelMap& source) {
+  ProgressLine line;
+  return audit_map(graph, source, [&](std::string_view stage, double done) { line.show(stage, done); });
+}
+
+BuiltMap build(const BuildCommand& command, const VoxelMap& source) {
+  ProgressLine line;
+  return unwrap(build_map(source, command.in, command.build,
+                          [&](std::string_view stage, double done) { line.show(stage, done); }));
+}
+
+/// A map that does not keep its promises is never written.
+void check_built(const BuiltMap& built, const VoxelMap& source) {
+  const Result<BoxGraphView> graph = BoxGraphView::open(built.blob);  // build_map has opened it before
+  const AuditReport report = audit(*graph, source);
+  if (report.defects == 0) return;
+  for (const std::string& finding : report.findings) print_line(finding);
+  throw Failure{ExitStatus::kInternal, "internal error, please report: the map that was built has " +
+                                           std::to_string(report.defects) + " defects; nothing was written"};
+}
+
 ExitStatus run_build(const BuildCommand& command) {
   check_outputs({command.out, command.json}, {command.in});
-  ProgressLine line;
-  const Progress progress = [&](std::string_view stage, double done) { line.show(stage, done); };
-  progress("read", 0);
   const VoxelMap source = unwrap(read_octree(command.in));
-  const BuiltMap built = unwrap(build_map(source, command.in, command.build, progress));
+  const BuiltMap built = build(command, source);
+  if (!command.no_verify) check_built(built, source);
   write_output(command.out, {reinterpret_cast<const char*>(built.blob.data()), built.blob.size()});
   write_output(command.json, dump(map_report_json(built.report)) + '\n');
-  line.show("written", 1);
   print_report(built.report);
+  return ExitStatus::kDone;
+}
+
+ExitStatus run_verify(const VerifyCommand& command) {
+  const MapFile map = load_map(command.map);
+  const VoxelMap source = unwrap(read_octree(command.source));
+  const AuditReport report = audit(map.graph, source);
+  for (const std::string& finding : report.findings) print_line(finding);
+  if (report.defects > 0) {
+    throw Failure{ExitStatus::kNoAnswer, command.map + ": " + std::to_string(report.defects) +
+                                             " defects; build it again with 'swiftlet map build'"};
+  }
+  const MapReport facts = map_info(map.graph);
+  print_line(command.map + " keeps its promises: " + std::to_string(facts.cells) + " cells and " +
+             std::to_string(facts.windows) + " windows, radius " + to_text(facts.radius, 3) +
+             " m, unknown space: " + describe(facts.unknown));
   return ExitStatus::kDone;
 }
 
@@ -157,6 +201,7 @@ void add_build_command(CLI::App& map, Command& chosen) {
       ->type_name("x0,y0,z0,x1,y1,z1");
   add_count(*app, "--coarsen", command->coarsen, 1, kLargestCoarsening,
             "Keep only whole free blocks of so many voxels");
+  app->add_flag("--no-verify", command->no_verify, "Skip the check of the map against its source");
   app->add_option("--json", command->json, "swiftlet-map/1 report to write; - is standard output");
   app->callback([command, &chosen] {
     apply_choices(*command);
@@ -172,12 +217,21 @@ void add_info_command(CLI::App& map, Command& chosen) {
   app->callback([command, &chosen] { chosen = [command] { return run_info(*command); }; });
 }
 
+void add_verify_command(CLI::App& map, Command& chosen) {
+  CLI::App* app = add_subcommand(map, "verify", "Check a map against the OctoMap that it was built from");
+  const auto command = std::make_shared<VerifyCommand>();
+  app->add_option("map", command->map, "Map made by 'swiftlet map build'")->required();
+  app->add_option("source", command->source, "OctoMap (.bt, .ot)")->required();
+  app->callback([command, &chosen] { chosen = [command] { return run_verify(*command); }; });
+}
+
 }  // namespace
 
 void add_map_commands(CLI::App& app, Command& chosen) {
   CLI::App* map = add_subcommand(app, "map", "Make maps and look at them");
   add_build_command(*map, chosen);
   add_info_command(*map, chosen);
+  add_verify_command(*map, chosen);
 }
 
 }  // namespace swiftlet::tools

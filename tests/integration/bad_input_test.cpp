@@ -149,6 +149,19 @@ TEST_F(BadBlob, MissingEmptyForeignAndTruncatedBlobsAreRefused) {
   }
 }
 
+TEST_F(BadBlob, MapVerifyRefusesWhatItCannotRead) {
+  const auto verify = [&](const std::string& map, const std::string& source) {
+    return std::vector<std::string>{"map", "verify", path(map), path(source)};
+  };
+  write_text(path("short.swm"), good_.substr(0, good_.size() / 2));
+  write_text(path("text.bt"), "This is no map.\n");
+  EXPECT_TRUE(refuses(verify("none.swm", "good.bt"), 3, {"none.swm"}));
+  EXPECT_TRUE(refuses(verify("short.swm", "good.bt"), 3, {"short.swm", "cut short"}));
+  EXPECT_TRUE(refuses(verify("good.swm", "none.bt"), 3, {"none.bt"}));
+  EXPECT_TRUE(refuses(verify("good.swm", "text.bt"), 3, {"text.bt"}));
+  EXPECT_TRUE(refuses({"map", "verify", path("good.swm")}, 2, {"source"}));
+}
+
 TEST_F(BadBlob, AnotherVersionAndAnotherByteOrderAreNamed) {
   std::string version = good_;
   ++version[12];

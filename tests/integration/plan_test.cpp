@@ -268,6 +268,43 @@ TEST_F(Program, MapReportsAgreeBetweenBuildAndInfo) {
   EXPECT_EQ(built["crc32"], planned(kLeft, kLeftToo)["map"]["crc32"]);
 }
 
+TEST_F(Program, MapVerifyPassesEveryMapThatBuildMakes) {
+  for (const std::vector<std::string>& extra :
+       std::vector<std::vector<std::string>>{{},
+                                             {"--unknown", "free"},
+                                             {"--unknown", "occupied", "--partition", "octree"},
+                                             {"--coarsen", "2"},
+                                             {"--bounds", "-0.9,-0.9,0,0.9,0.9,1"}}) {
+    std::vector<std::string> build{"map", "build", path("rooms.bt"), "-o", path("v.swm"), "--radius", "0.15"};
+    build.insert(build.end(), extra.begin(), extra.end());
+    ASSERT_EQ(swiftlet(build).status, 0);
+    const Outcome run = swiftlet({"map", "verify", path("v.swm"), path("rooms.bt")});
+    EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_EQ(run.out, "");
+  }
+}
+
+TEST_F(Program, MapVerifyNamesWhatAnotherSourceContradictsAndWhere) {
+  octomap::OcTree tree(path("rooms.bt"));
+  tree.updateNode(-0.75, -0.75, 0.55, true);
+  tree.updateNode(-0.75, -0.75, 0.55, true);
+  tree.updateNode(-0.75, -0.75, 0.55, true);
+  tree.writeBinary(path("changed.bt"));
+  const Outcome run = swiftlet({"map", "verify", path("rooms.swm"), path("changed.bt")});
+  EXPECT_EQ(run.status, 1);
+  for (const char* word : {"SHA-256", "lies in an obstacle", "(-0.8, -0.8, 0.5)", "defects"}) {
+    EXPECT_NE(run.err.find(word), std::string::npos) << word << " is missing in " << run.err;
+  }
+}
+
+TEST_F(Program, ABuildWithoutVerificationGivesTheSameBytes) {
+  ASSERT_EQ(
+      swiftlet({"map", "build", path("rooms.bt"), "-o", path("quick.swm"), "--radius", "0.15", "--no-verify"}).status,
+      0);
+  EXPECT_EQ(read_text(path("rooms.swm")), read_text(path("quick.swm")));
+}
+
 TEST_F(Program, UnknownPoliciesDecideOverTheHole) {
   const auto status = [&](const std::string& policy) {
     const Outcome built = swiftlet({"map", "build", path("rooms.bt"), "-o", path(policy + ".swm"), "--radius", "0.15",
@@ -290,7 +327,7 @@ TEST_F(Program, SameMapSameBytes) {
 
 TEST_F(Program, HelpAndVersionWorkEverywhere) {
   for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
-           {}, {"map"}, {"map", "build"}, {"map", "info"}, {"plan"}, {"solve"}, {"world"}}) {
+           {}, {"map"}, {"map", "build"}, {"map", "info"}, {"map", "verify"}, {"plan"}, {"solve"}, {"world"}}) {
     for (const char* flag : {"--help", "--version"}) {
       std::vector<std::string> arguments = command;
       arguments.emplace_back(flag);
