@@ -19,12 +19,14 @@
 #include "map/audit.hpp"
 #include "map/map_builder.hpp"
 #include "map/map_report.hpp"
+#include "map/point_cloud.hpp"
 #include "map/voxel_map.hpp"
 
 namespace swiftlet::tools {
 namespace {
 
-constexpr double kLargestRadius = 100;  // [m]
+constexpr double kLargestRadius = 100;          // [m]
+constexpr NumberRange kResolutions{1e-3, 100};  // [m]
 constexpr std::uint64_t kLargestCoarsening = 256;
 constexpr double kGoodShare = 0.9;  // of the free space in the largest component
 
@@ -47,6 +49,13 @@ struct InfoCommand {
 struct VerifyCommand {
   std::string map;
   std::string source;
+};
+
+struct ImportCommand {
+  std::string cloud;
+  std::string out;
+  double resolution = 0;
+  bool origin_rays = false;
 };
 
 /// One line that is written over, on a terminal, and gone with this object; nothing elsewhere.
@@ -164,6 +173,18 @@ ExitStatus run_info(const InfoCommand& command) {
   return ExitStatus::kDone;
 }
 
+ExitStatus run_import(const ImportCommand& command) {
+  check_outputs({command.out}, {command.cloud});
+  const PointCloud cloud = unwrap(read_point_cloud(command.cloud));
+  const std::vector<std::byte> octree =
+      unwrap(octree_of(cloud, command.cloud, command.resolution, command.origin_rays));
+  write_output(command.out, {reinterpret_cast<const char*>(octree.data()), octree.size()});
+  print_line(command.cloud + ": " + std::to_string(cloud.points.size()) + " points" +
+             (cloud.dropped > 0 ? ", " + std::to_string(cloud.dropped) + " without numbers dropped" : "") +
+             (command.origin_rays ? "" : "; nothing is known to be free: build with '--unknown free'"));
+  return ExitStatus::kDone;
+}
+
 std::array<double, 6> parse_bounds(const std::string& text) {
   const std::vector<std::string_view> pieces = split_at_commas(text);
   std::array<double, 6> bounds{};
@@ -225,6 +246,17 @@ void add_verify_command(CLI::App& map, Command& chosen) {
   app->callback([command, &chosen] { chosen = [command] { return run_verify(*command); }; });
 }
 
+void add_import_command(CLI::App& map, Command& chosen) {
+  CLI::App* app = add_subcommand(map, "import", "Turn a point cloud into an OctoMap");
+  const auto command = std::make_shared<ImportCommand>();
+  app->add_option("cloud", command->cloud, "Points (.ply, .pcd, .xyz)")->required();
+  add_number(*app, "--resolution", command->resolution, kResolutions, "Edge of a voxel [m]")->required();
+  app->add_option("-o,--out", command->out, "OctoMap to write (.bt)")->required();
+  app->add_flag("--origin-rays", command->origin_rays,
+                "What lies between the sensor (a .pcd's viewpoint, else the origin) and its points is free");
+  app->callback([command, &chosen] { chosen = [command] { return run_import(*command); }; });
+}
+
 }  // namespace
 
 void add_map_commands(CLI::App& app, Command& chosen) {
@@ -232,6 +264,7 @@ void add_map_commands(CLI::App& app, Command& chosen) {
   add_build_command(*map, chosen);
   add_info_command(*map, chosen);
   add_verify_command(*map, chosen);
+  add_import_command(*map, chosen);
 }
 
 }  // namespace swiftlet::tools

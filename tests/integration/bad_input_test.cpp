@@ -114,6 +114,32 @@ TEST_F(BadOctoMap, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
   EXPECT_TRUE(refuses(build(path("good.bt")), 2, {"input"}));
 }
 
+// ----------------------------------------------------------------------------------------------------- point clouds
+
+TEST_F(BadInput, CloudsThatAreNoneOrTooLargeAndNumbersOutOfRangeAreRefused) {
+  const auto import = [&](const std::string& cloud, const std::string& resolution) {
+    return std::vector<std::string>{"map", "import", path(cloud), "--resolution", resolution, "-o", path("out.bt")};
+  };
+  write_text(path("good.xyz"), "0 0 0\n1 1 1\n");
+  write_text(path("empty.xyz"), "");
+  write_text(path("letters.xyz"), "0 0 0\none two three\n");
+  write_text(path("wide.xyz"), "0 0 0\n1e6 0 0\n");
+  write_text(path("short.ply"), "ply\nformat ascii 1.0\nelement vertex 2\n");
+  write_text(path("cloud.las"), "LASF");
+  EXPECT_TRUE(refuses(import("none.xyz", "0.1"), 3, {"none.xyz"}));
+  EXPECT_TRUE(refuses(import("empty.xyz", "0.1"), 3, {"empty.xyz"}));
+  EXPECT_TRUE(refuses(import("letters.xyz", "0.1"), 3, {"letters.xyz", "2"}));
+  EXPECT_TRUE(refuses(import("wide.xyz", "0.1"), 3, {"wide.xyz"}));
+  EXPECT_TRUE(refuses(import("short.ply", "0.1"), 3, {"short.ply"}));
+  EXPECT_TRUE(refuses(import("cloud.las", "0.1"), 3, {"cloud.las"}));
+  for (const char* bad : {"0", "-0.1", "nan", "inf", "1e9", "fine"}) {
+    EXPECT_TRUE(refuses(import("good.xyz", bad), 2, {"--resolution"})) << bad;
+  }
+  EXPECT_TRUE(
+      refuses({"map", "import", path("good.xyz"), "--resolution", "0.1", "-o", path("good.xyz")}, 2, {"input"}));
+  EXPECT_TRUE(refuses({"map", "import", path("good.xyz"), "-o", path("out.bt")}, 2, {"--resolution"}));
+}
+
 // ------------------------------------------------------------------------------------------------------------ blobs
 
 class BadBlob : public BadInput {

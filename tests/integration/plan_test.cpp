@@ -1,5 +1,6 @@
 // `swiftlet plan`, `map` and `world` as the contract describes them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -305,6 +306,40 @@ TEST_F(Program, ABuildWithoutVerificationGivesTheSameBytes) {
   EXPECT_EQ(read_text(path("rooms.swm")), read_text(path("quick.swm")));
 }
 
+TEST_F(Program, AnImportedCloudBecomesAMapToPlanOn) {
+  std::string cloud;  // the inside of a cube of 4 m around the sensor
+  for (int i = -20; i <= 20; ++i) {
+    for (int j = -20; j <= 20; ++j) {
+      for (const double side : {-2.0, 2.0}) {
+        const std::array<double, 3> p{side, 0.1 * i, 0.1 * j};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          cloud += std::to_string(p[axis]) + " " + std::to_string(p[(axis + 1) % 3]) + " " +
+                   std::to_string(p[(axis + 2) % 3]) + "\n";
+        }
+      }
+    }
+  }
+  write_text(path("cube.xyz"), cloud + "nan 0 0\n");
+  const auto plan_on = [&](const std::vector<std::string>& extra, const char* unknown) {
+    std::vector<std::string> import{"map", "import", path("cube.xyz"), "--resolution", "0.1", "-o", path("cube.bt")};
+    import.insert(import.end(), extra.begin(), extra.end());
+    const Outcome imported = swiftlet(import);
+    EXPECT_EQ(imported.status, 0) << imported.err;
+    EXPECT_NE(imported.err.find("10086 points, 1 without numbers"), std::string::npos) << imported.err;
+    EXPECT_EQ(imported.out, "");
+    EXPECT_EQ(
+        swiftlet({"map", "build", path("cube.bt"), "-o", path("cube.swm"), "--radius", "0.3", "--unknown", unknown})
+            .status,
+        0);
+    const Outcome run = swiftlet({"plan", path("cube.swm"), "--start", "-1,-1,-1", "--goal", "1,1,1", "--vmax", "1",
+                                  "--amax", "1", "--json", "-"});
+    return Json::parse(run.out)["status"].get<std::string>();
+  };
+  EXPECT_EQ(plan_on({"--origin-rays"}, "avoid"), "optimal");
+  EXPECT_EQ(plan_on({}, "avoid"), "start_not_free");
+  EXPECT_EQ(plan_on({}, "free"), "optimal");
+}
+
 TEST_F(Program, UnknownPoliciesDecideOverTheHole) {
   const auto status = [&](const std::string& policy) {
     const Outcome built = swiftlet({"map", "build", path("rooms.bt"), "-o", path(policy + ".swm"), "--radius", "0.15",
@@ -326,8 +361,15 @@ TEST_F(Program, SameMapSameBytes) {
 }
 
 TEST_F(Program, HelpAndVersionWorkEverywhere) {
-  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
-           {}, {"map"}, {"map", "build"}, {"map", "info"}, {"map", "verify"}, {"plan"}, {"solve"}, {"world"}}) {
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{{},
+                                                                                       {"map"},
+                                                                                       {"map", "build"},
+                                                                                       {"map", "info"},
+                                                                                       {"map", "verify"},
+                                                                                       {"map", "import"},
+                                                                                       {"plan"},
+                                                                                       {"solve"},
+                                                                                       {"world"}}) {
     for (const char* flag : {"--help", "--version"}) {
       std::vector<std::string> arguments = command;
       arguments.emplace_back(flag);
