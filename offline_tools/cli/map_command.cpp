@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@
 #include "map/map_report.hpp"
 #include "map/point_cloud.hpp"
 #include "map/voxel_map.hpp"
+#include "report/map_report_page.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -44,6 +46,11 @@ struct BuildCommand {
 struct InfoCommand {
   std::string map;
   std::string json;
+};
+
+struct ShowCommand {
+  std::string map;
+  std::string report;
 };
 
 struct VerifyCommand {
@@ -96,6 +103,12 @@ std::string advice_on_pieces(const MapReport& report) {
   return pieces + "; a smaller --radius connects more";
 }
 
+/// What to know about a map before anything else; empty when all is well.
+std::string note_on(const MapReport& report) {
+  if (report.cells == 0) return "nothing is free; a smaller --radius or another --unknown may help";
+  return report.largest_component < kGoodShare ? advice_on_pieces(report) : "";
+}
+
 /// The short table for people.
 void print_report(const MapReport& report) {
   const auto& b = report.bounds;
@@ -110,10 +123,11 @@ void print_report(const MapReport& report) {
                         " to inflation, " + to_text(report.lost_to_unknown, 2) + " to unknown space, " +
                         to_text(report.lost_to_coarsening, 2) + " to coarsening");
   print_row("components", std::to_string(report.components));
-  if (report.cells == 0) return print_row("note", "nothing is free; a smaller --radius or another --unknown may help");
-  print_row("largest", to_text(100 * report.largest_component, 1) + " % of the free space, around (" +
-                           to_text({p[0], p[1], p[2]}) + ")");
-  if (report.largest_component < kGoodShare) print_row("note", advice_on_pieces(report));
+  if (report.cells > 0) {
+    print_row("largest", to_text(100 * report.largest_component, 1) + " % of the free space, around (" +
+                             to_text({p[0], p[1], p[2]}) + ")");
+  }
+  if (const std::string note = note_on(report); !note.empty()) print_row("note", note);
 }
 
 AuditReport audit(const BoxGraphView& graph, const VoxelMap& source) {
@@ -185,6 +199,17 @@ ExitStatus run_import(const ImportCommand& command) {
   return ExitStatus::kDone;
 }
 
+ExitStatus run_show(const ShowCommand& command) {
+  check_outputs({command.report}, {command.map});
+  const MapFile map = load_map(command.map);
+  Obstacles obstacles(map);
+  const MapReport report = map_info(map.graph);
+  const std::string title = std::filesystem::path(map.path).stem().string();
+  write_output(command.report,
+               map_report_html({map_report_json(report), map.graph, obstacles.boxes(), note_on(report), title}));
+  return ExitStatus::kDone;
+}
+
 std::array<double, 6> parse_bounds(const std::string& text) {
   const std::vector<std::string_view> pieces = split_at_commas(text);
   std::array<double, 6> bounds{};
@@ -238,6 +263,14 @@ void add_info_command(CLI::App& map, Command& chosen) {
   app->callback([command, &chosen] { chosen = [command] { return run_info(*command); }; });
 }
 
+void add_show_command(CLI::App& map, Command& chosen) {
+  CLI::App* app = add_subcommand(map, "show", "Draw what a map holds");
+  const auto command = std::make_shared<ShowCommand>();
+  app->add_option("map", command->map, "Map made by 'swiftlet map build'")->required();
+  app->add_option("--report", command->report, "Page to write (HTML)")->required();
+  app->callback([command, &chosen] { chosen = [command] { return run_show(*command); }; });
+}
+
 void add_verify_command(CLI::App& map, Command& chosen) {
   CLI::App* app = add_subcommand(map, "verify", "Check a map against the OctoMap that it was built from");
   const auto command = std::make_shared<VerifyCommand>();
@@ -263,6 +296,7 @@ void add_map_commands(CLI::App& app, Command& chosen) {
   CLI::App* map = add_subcommand(app, "map", "Make maps and look at them");
   add_build_command(*map, chosen);
   add_info_command(*map, chosen);
+  add_show_command(*map, chosen);
   add_verify_command(*map, chosen);
   add_import_command(*map, chosen);
 }

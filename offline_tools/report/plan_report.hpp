@@ -1,20 +1,10 @@
 #pragma once
-#include <array>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 
-#include "swiftlet/types.hpp"
+#include "report/grid_boxes.hpp"
 
 namespace swiftlet::tools {
-
-/// Boxes on the grid of a map: a corner i lies at origin + unit * i in frame W.
-struct GridBoxes {
-  std::array<double, 3> origin{};  ///< [m]
-  double unit = 0;                 ///< [m]
-  double resolution = 0;           ///< [m] edge of a voxel, a multiple of the unit
-  std::span<const IntBox> boxes;   ///< [unit], disjoint
-};
 
 struct PlanReportInput {
   const nlohmann::ordered_json& plan;  ///< swiftlet-plan/1 with any status; fields may be absent

@@ -1,9 +1,19 @@
 /// Boxes as the page carries them: base64 of 16-bit little-endian x0,y0,z0,x1,y1,z1 in units from an origin.
 export function decode_boxes({ origin, unit, voxel, boxes }) {
-  const text = atob(boxes);
+  return { data: decode_integers(boxes), origin, unit, voxel };
+}
+
+/// 16-bit little-endian integers from base64.
+export function decode_integers(base64) {
+  const text = atob(base64);
   const data = new Uint16Array(text.length / 2);
   for (let i = 0; i < data.length; ++i) data[i] = text.charCodeAt(2 * i) | (text.charCodeAt(2 * i + 1) << 8);
-  return { data, origin, unit, voxel };
+  return data;
+}
+
+/// Box number i of decoded ones, [x0,y0,z0,x1,y1,z1] in metres.
+export function box_at({ data, origin, unit }, i) {
+  return Array.from(data.subarray(6 * i, 6 * i + 6), (value, k) => origin[k % 3] + unit * value);
 }
 
 /// The box [x0,y0,z0,x1,y1,z1] around boxes of the same form [m]; null around nothing.

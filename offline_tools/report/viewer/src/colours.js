@@ -21,3 +21,7 @@ export function speed_stops() {
 export function style_colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
+
+/// Colours that tell components apart, the largest first; every other component is grey.
+export const kComponentColours = ['#3b82d6', '#e8893c', '#3aa66b', '#c2508e', '#8a63d2', '#c9a227', '#37a3b5', '#d0524a'];
+export const kOtherComponents = '#8b94a3';

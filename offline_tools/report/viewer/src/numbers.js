@@ -1,3 +1,4 @@
+import { card, figure, file_name, row } from './cards.js';
 import { count, fixed, html, significant, time_span, vector } from './markup.js';
 
 // The numbers of a swiftlet-plan/1 as markup. Every field may be absent (contract: it then does not exist).
@@ -18,14 +19,6 @@ export function status_of(plan) {
   return { name: String(plan.status ?? 'unknown').replace(/_/g, ' '), ...(kStatus[plan.status] ?? { tone: 'bad', text: '' }) };
 }
 
-function file_name(path) {
-  return typeof path === 'string' ? path.split(/[\\/]/).pop() : '–';
-}
-
-function figure(label, value, unit, tone) {
-  return html`<div class="figure ${tone ?? ''}"><dt>${label}</dt><dd>${value}${value !== '–' && unit && html`<small>${unit}</small>`}</dd></div>`;
-}
-
 /// The few figures that matter, in large type.
 export function headline(plan) {
   const search = time_span(plan.stats?.search_us);
@@ -39,14 +32,6 @@ export function headline(plan) {
     ${figure('Trajectory', solve.value, solve.unit)}
     ${figure('Certificate', pass === undefined ? '–' : pass ? 'pass' : 'FAIL', '', pass === undefined ? '' : pass ? 'good' : 'bad')}
   </dl>`;
-}
-
-function row(label, value, unit) {
-  return html`<tr><th>${label}</th><td>${value}${unit && html` <small>${unit}</small>`}</td></tr>`;
-}
-
-function card(title, rows) {
-  return html`<section class="card"><h3>${title}</h3><table class="pairs">${rows}</table></section>`;
 }
 
 function map_card(plan, obstacles) {

@@ -40,6 +40,12 @@ export class View {
     this.request_frame();
   }
 
+  remove(name) {
+    if (this.layers.has(name)) this.scene.remove(this.layers.get(name).object);
+    this.layers.delete(name);
+    this.request_frame();
+  }
+
   show(name, visible) {
     this.layers.get(name).object.visible = visible;
     this.request_frame();
@@ -60,6 +66,21 @@ export class View {
   recolour() {
     for (const layer of this.layers.values()) layer.recolour?.();
     this.request_frame();
+  }
+
+  /// Calls `listener(origin, direction)` with the line of sight [m] of every click that is not a drag.
+  on_click(listener) {
+    let pressed = null;
+    const canvas = this.renderer.domElement;
+    canvas.addEventListener('pointerdown', (event) => (pressed = [event.clientX, event.clientY]));
+    canvas.addEventListener('pointerup', (event) => {
+      if (!pressed || Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > 4) return;
+      const frame = canvas.getBoundingClientRect();
+      const place = [((event.clientX - frame.left) / frame.width) * 2 - 1, 1 - ((event.clientY - frame.top) / frame.height) * 2];
+      const origin = this.camera.position;
+      const direction = new Vector3(...place, 0.5).unproject(this.camera).sub(origin).normalize();
+      listener(origin.toArray(), direction.toArray());
+    });
   }
 
   /// A caption that stays at `position` [m] in front of everything; hidden with its layer.

@@ -127,7 +127,8 @@ function height_range({ data, unit }) {
   return [low * unit, Math.max(high, low + 1) * unit];
 }
 
-function box_instances(data) {
+/// One cube a box, with its corners as the attributes `box_low` and `box_high` [units].
+export function box_instances(data) {
   const cube = new BoxGeometry(1, 1, 1);
   const geometry = new InstancedBufferGeometry();
   geometry.index = cube.index;
