@@ -1,32 +1,26 @@
 #include "cli/case_file.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <string_view>
 
 #include "cli/failure.hpp"
-#include "cli/json.hpp"
+#include "cli/json_reader.hpp"
 #include "map/file_io.hpp"
 
 namespace swiftlet::tools {
 namespace {
 
+constexpr const char* kFormat = "swiftlet-case/1";
+
 /// Reads the parts of one case and remembers where it stands, so that every fault names its place.
-class CaseReader {
+class CaseReader : private JsonReader {
  public:
-  /// `where` is "file" or "file:line".
-  explicit CaseReader(std::string where) : where_(std::move(where)) {}
+  using JsonReader::JsonReader;
 
   TrajectoryCase read(const Json& json) {
-    if (!json.is_object()) refuse("the case is not a JSON object");
-    const Json& format = member(json, "format");
-    if (format != "swiftlet-case/1") refuse("'format' is not \"swiftlet-case/1\"");
-    if (json.contains("name")) {
-      if (!json["name"].is_string()) refuse("'name' is not a string");
-      case_.name = json["name"].get<std::string>();
-    }
+    check_format(json, kFormat);
+    if (json.contains("name")) case_.name = word(json["name"], "name");
     case_.boxes = boxes(json, "boxes");
     case_.gates = boxes(json, "gates");
     case_.durations = numbers(member(json, "durations"), "durations");
@@ -43,47 +37,27 @@ class CaseReader {
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& what) const { throw Failure{ExitStatus::kBadFile, where_ + ": " + what}; }
   /// Keeps the first defect.
   void note(const std::string& what) {
     if (case_.defect.empty()) case_.defect = what;
   }
 
-  const Json& member(const Json& json, const std::string& key) const {
-    if (!json.is_object() || !json.contains(key)) refuse("'" + key + "' is missing");
-    return json[key];
-  }
-
-  double number(const Json& json, const std::string& what) const {
-    if (!json.is_number()) refuse("'" + what + "' is not a number");
-    return json.get<double>();
-  }
-
-  std::vector<double> numbers(const Json& json, const std::string& what) const {
-    if (!json.is_array()) refuse("'" + what + "' is not a list of numbers");
-    std::vector<double> list;
-    for (const Json& item : json) list.push_back(number(item, what));
-    return list;
-  }
-
   std::vector<Box> boxes(const Json& json, const std::string& key) {
-    const Json& items = member(json, key);
-    if (!items.is_array()) refuse("'" + key + "' is not a list of boxes");
-    std::vector<Box> list;
-    for (const Json& item : items) {
+    std::vector<Box> boxes;
+    for (const Json& item : list(member(json, key), key)) {
       std::vector<double> corners = numbers(item, key);
       if (corners.size() != 6) note(key + ": a box has " + std::to_string(corners.size()) + " numbers, not 6");
       corners.resize(6);
-      list.push_back({{corners[0], corners[1], corners[2]}, {corners[3], corners[4], corners[5]}});
+      boxes.push_back({{corners[0], corners[1], corners[2]}, {corners[3], corners[4], corners[5]}});
     }
-    return list;
+    return boxes;
   }
 
   Vector3 vector(const Json& json, const std::string& what) {
-    std::vector<double> list = numbers(json, what);
-    if (list.size() != 3) note(what + ": " + std::to_string(list.size()) + " numbers, not 3");
-    list.resize(3);
-    return {list[0], list[1], list[2]};
+    std::vector<double> xyz = numbers(json, what);
+    if (xyz.size() != 3) note(what + ": " + std::to_string(xyz.size()) + " numbers, not 3");
+    xyz.resize(3);
+    return {xyz[0], xyz[1], xyz[2]};
   }
 
   State state(const Json& json, const std::string& key) {
@@ -142,41 +116,16 @@ class CaseReader {
            (inner.hi.array() <= outer.hi.array() + kRounding).all();
   }
 
-  std::string where_;
   TrajectoryCase case_;
 };
 
-/// `first_line` is the number of the first line of `text` in the file, 0 when the text is the whole file.
-Json parse_json(const std::string& path, std::string_view text, std::size_t first_line) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    const std::size_t offset = std::min(error.byte, text.size());
-    const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(offset), '\n');
-    const std::size_t line = std::max<std::size_t>(first_line, 1) + static_cast<std::size_t>(lines);
-    throw Failure{ExitStatus::kBadFile, path + ":" + std::to_string(line) + ": not valid JSON" +
-                                            (offset == text.size() ? " (it ends too early)" : "")};
-  } catch (const Json::out_of_range&) {
-    throw Failure{ExitStatus::kBadFile,
-                  path + ":" + std::to_string(std::max<std::size_t>(first_line, 1)) + ": a number is out of range"};
-  }
-}
-
-std::string_view as_text(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 }  // namespace
 
-TrajectoryCase load_case(const std::string& path) {
-  const std::vector<std::byte> bytes = unwrap(read_file(path));
-  if (bytes.empty()) throw Failure{ExitStatus::kBadFile, path + ": is empty; a swiftlet-case/1 is needed"};
-  return CaseReader(path).read(parse_json(path, as_text(bytes), 0));
-}
+TrajectoryCase load_case(const std::string& path) { return CaseReader(path).read(load_json(path, kFormat)); }
 
 std::vector<TrajectoryCase> load_cases(const std::string& path) {
   const std::vector<std::byte> bytes = unwrap(read_file(path));
-  std::string_view text = as_text(bytes);
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::vector<TrajectoryCase> cases;
   for (std::size_t line = 1; !text.empty(); ++line) {
     const std::size_t end = text.find('\n');

@@ -36,6 +36,7 @@ int run(int argc, char** argv) {
   add_map_commands(app, chosen);
   add_plan_command(app, chosen);
   add_solve_command(app, chosen);
+  add_verify_command(app, chosen);
   add_world_command(app, chosen);
   try {
     app.parse(argc, argv);

@@ -271,7 +271,7 @@ void add_show_command(CLI::App& map, Command& chosen) {
   app->callback([command, &chosen] { chosen = [command] { return run_show(*command); }; });
 }
 
-void add_verify_command(CLI::App& map, Command& chosen) {
+void add_map_verify_command(CLI::App& map, Command& chosen) {
   CLI::App* app = add_subcommand(map, "verify", "Check a map against the OctoMap that it was built from");
   const auto command = std::make_shared<VerifyCommand>();
   app->add_option("map", command->map, "Map made by 'swiftlet map build'")->required();
@@ -297,7 +297,7 @@ void add_map_commands(CLI::App& app, Command& chosen) {
   add_build_command(*map, chosen);
   add_info_command(*map, chosen);
   add_show_command(*map, chosen);
-  add_verify_command(*map, chosen);
+  add_map_verify_command(*map, chosen);
   add_import_command(*map, chosen);
 }
 

@@ -369,6 +369,7 @@ TEST_F(Program, HelpAndVersionWorkEverywhere) {
                                                                                        {"map", "import"},
                                                                                        {"plan"},
                                                                                        {"solve"},
+                                                                                       {"verify"},
                                                                                        {"world"}}) {
     for (const char* flag : {"--help", "--version"}) {
       std::vector<std::string> arguments = command;
