@@ -1,16 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "report/plan_report.hpp"
+#include "report_test_page.hpp"
 
 namespace {
 
@@ -18,7 +13,7 @@ using Json = nlohmann::ordered_json;
 using swiftlet::IntBox;
 using swiftlet::tools::GridBoxes;
 using swiftlet::tools::plan_report_html;
-using swiftlet::tools::PlanReportInput;
+using namespace swiftlet::tools::test;
 
 Json small_plan() {
   std::ifstream file(SWIFTLET_SOURCE_DIR "/tests/data/plan_small.json");
@@ -28,24 +23,6 @@ Json small_plan() {
 const std::vector<IntBox> kWalls{{{0, 0, 0}, {8, 8, 1}}, {{0, 0, 1}, {1, 8, 8}}, {{256, 300, 1}, {257, 301, 8}}};
 
 GridBoxes walls() { return {{-1, -1, 0}, 0.125, 0.25, kWalls}; }
-
-/// The text between the first `from` and the next `to` after it.
-std::string between(const std::string& text, const std::string& from, const std::string& to) {
-  const std::size_t begin = text.find(from);
-  if (begin == std::string::npos) return {};
-  const std::size_t end = text.find(to, begin + from.size());
-  return text.substr(begin + from.size(), end - begin - from.size());
-}
-
-Json data_of(const std::string& html) {
-  return Json::parse(between(html, "<script type=\"application/json\" id=\"report\">", "</script>"));
-}
-
-std::size_t occurrences(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
 
 TEST(PlanReport, CarriesThePlanUnchanged) {
   const Json plan = small_plan();
@@ -92,10 +69,7 @@ TEST(PlanReport, ReplacesBytesThatAreNotUtf8) {
 
 TEST(PlanReport, AsksForNothingOutsideItselfAndShowsTheLicenceOfThreeJs) {
   const std::string html = plan_report_html({small_plan(), walls(), "t"});
-  EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
-  for (const char* link : {"src=\"http", "href=\"http", "<link", "@import", "url(http"}) {
-    EXPECT_EQ(html.find(link), std::string::npos) << link;
-  }
+  expect_nothing_from_outside(html);
   EXPECT_NE(html.find("The MIT License"), std::string::npos);
   EXPECT_NE(html.find("three.js authors"), std::string::npos);
 }
@@ -119,39 +93,6 @@ TEST(PlanReport, StaysBelowTenMegabytesWithMoreBoxesThanItShows) {
             "9AH0AfQB/gH+Af4B");  // the largest comes first
 }
 
-/// A folder of its own for one browser, gone with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "report_test.XXXXXX").string()) {
-    if (mkdtemp(path_.data()) == nullptr) throw std::runtime_error("mkdtemp " + path_);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-bool has_browser() { return std::system("command -v chromium >/dev/null 2>&1") == 0; }
-
-/// The markup that the page's script has made in a browser.
-std::string opened_in_browser(const std::string& html, const std::string& flags) {
-  const TemporaryFolder folder;
-  std::ofstream(folder.path() + "/report.html") << html;
-  const std::string command = "timeout 60 chromium --headless=new --no-sandbox --virtual-time-budget=5000 --dump-dom " +
-                              flags + " --user-data-dir=" + folder.path() + "/profile file://" + folder.path() +
-                              "/report.html 2>/dev/null";
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  std::string dom;
-  std::array<char, 4096> buffer{};
-  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe.get())) {
-    dom.append(buffer.data(), count);
-  }
-  return between(dom, "<div id=\"page\">", "<footer>");
-}
-
 void expect_plots_and_numbers(const std::string& dom) {
   EXPECT_EQ(occurrences(dom, "<polyline"), 12U);
   EXPECT_NE(dom.find("<dd>2.00<small>m</small></dd>"), std::string::npos) << "length";
@@ -163,7 +104,7 @@ void expect_plots_and_numbers(const std::string& dom) {
 TEST(PlanReportInBrowser, ShowsPlotsAndNumbersWithoutWebGl) {
   if (!has_browser()) GTEST_SKIP() << "no chromium on this machine";
   const std::string html = plan_report_html({small_plan(), walls(), "t"});
-  const std::string dom = opened_in_browser(html, "--disable-gpu --disable-3d-apis");
+  const std::string dom = opened_in_browser(html, kWithoutWebGl);
   expect_plots_and_numbers(dom);
   EXPECT_NE(dom.find("class=\"view missing\""), std::string::npos);
   EXPECT_EQ(dom.find("<canvas"), std::string::npos);
@@ -172,7 +113,7 @@ TEST(PlanReportInBrowser, ShowsPlotsAndNumbersWithoutWebGl) {
 TEST(PlanReportInBrowser, ShowsTheViewWithWebGl) {
   if (!has_browser()) GTEST_SKIP() << "no chromium on this machine";
   const std::string html = plan_report_html({small_plan(), walls(), "t"});
-  const std::string dom = opened_in_browser(html, "--use-angle=swiftshader --enable-unsafe-swiftshader");
+  const std::string dom = opened_in_browser(html, kWithWebGl);
   expect_plots_and_numbers(dom);
   EXPECT_EQ(occurrences(dom, "<canvas"), 1U);
   EXPECT_NE(dom.find("data-direction=\"top\""), std::string::npos);
@@ -186,8 +127,7 @@ TEST(PlanReportInBrowser, ShowsWhyThereIsNoTrajectory) {
   plan["request"]["start"]["position"] = {1e9, 0, 0};
   plan["status"] = "no_path";
   plan["reason"] = "start lies in component 0, goal in component 3";
-  const std::string dom =
-      opened_in_browser(plan_report_html({plan, walls(), "t"}), "--use-angle=swiftshader --enable-unsafe-swiftshader ");
+  const std::string dom = opened_in_browser(plan_report_html({plan, walls(), "t"}), kWithWebGl);
   EXPECT_NE(dom.find("start lies in component 0, goal in component 3"), std::string::npos);
   EXPECT_EQ(occurrences(dom, "<polyline"), 0U);
   EXPECT_EQ(occurrences(dom, "<canvas"), 1U);

@@ -110,8 +110,10 @@ export function map_numbers(report) {
   return html`<div class="cards">${source_card(map)}${space_card(map)}${graph_card(report)}${bytes_card(map)}${components_card(map, components)}</div>`;
 }
 
-/// What there is to say about the chosen cell, in one line.
+/// What there is to say about the chosen cell, in one line, with the colours in which it is drawn.
 export function cell_line(map, i) {
   const size = (box) => [0, 1, 2].map((axis) => fixed(box[axis + 3] - box[axis], 2)).join(' × ');
-  return html`Cell of ${size(map.box(i))} m in component ${map.labels[i]}, extent ${size(map.extent(i))} m, ${count(map.windows(i).length)} windows to the cells shown`;
+  const windows = map.windows(i).length;
+  return html`<i class="swatch" style="background:var(--gate)"></i>Cell of ${size(map.box(i))} m in component ${map.labels[i]}, with ${
+      count(windows)} ${windows === 1 ? 'window' : 'windows'} to the cells shown <i class="swatch" style="background:var(--ink)"></i>its extent of ${size(map.extent(i))} m`;
 }

@@ -112,7 +112,7 @@ function make_view(host, scene, select) {
       view.remove('extent');
       view.remove('chosen');
       if (cell < 0) return;
-      view.add('extent', outlined_boxes([map.extent(cell)], { colour: '--corridor', face_opacity: 0.1, edge_opacity: 1 }));
+      view.add('extent', outlined_boxes([map.extent(cell)], { colour: '--ink', face_opacity: 0.08, edge_opacity: 1 }));
       view.add('chosen', outlined_boxes([map.box(cell), ...map.windows(cell)], { colour: '--gate', face_opacity: 0.3, edge_opacity: 1 }));
       view.recolour();
     },

@@ -4,9 +4,11 @@ import { readFileSync } from 'node:fs';
 import test from 'node:test';
 
 import { data_hull, decode_boxes, hull } from '../src/boxes_data.js';
+import { boxes_across, CellMap, first_hit, widest_height } from '../src/cell_map.js';
 import { speed_colour } from '../src/colours.js';
 import { density_grid } from '../src/density.js';
 import { fixed, html, significant, time_span } from '../src/markup.js';
+import { cell_line, map_heading, map_headline, map_numbers } from '../src/map_numbers.js';
 import { headline, plan_heading, plan_numbers } from '../src/numbers.js';
 import { plan_panels } from '../src/plan_plots.js';
 import { plot_svg, value_range } from '../src/plots.js';
@@ -132,4 +134,62 @@ test('every status has its page, fields or not', () => {
     assert.ok(headline(bare).text.includes('–'));
     assert.ok(plan_numbers(bare, null).text.includes('0.25'));
   }
+});
+
+/// Two cells with a window of 1 m x 2 m and a third cell apart, on a grid of half metres.
+function small_map() {
+  const pack = (integers) => Buffer.from(Uint16Array.from(integers.flat()).buffer).toString('base64');
+  const boxes = [[0, 0, 2, 4, 4, 6], [4, 2, 2, 6, 4, 6], [10, 0, 2, 12, 2, 4]];
+  return {
+    grid: { origin: [-1, 0, 1], unit: 0.5, voxel: 0.5 },
+    cells: { count: 3, shown: 3, shown_share: 1, boxes: pack(boxes), extents: pack([boxes[0], [0, 2, 2, 6, 4, 6], boxes[2]]), components: pack([0, 0, 7]) },
+    windows: { count: 1, shown: 1 },
+    components: [{ label: 0, cells: 2, free_m3: 10, share: 10 / 11 }, { label: 7, cells: 1, free_m3: 1, share: 1 / 11 }],
+    map: {},
+  };
+}
+
+test('a cell is found by a point in it, by a line of sight and by a height', () => {
+  const map = new CellMap(small_map());
+  assert.deepEqual([[0, 1, 3], [1.5, 1.5, 3], [1.5, 0.5, 3], [4.5, 0.5, 2.5], [4.5, 0.5, 3.5]].map((p) => map.at(p)), [0, 1, -1, 2, -1]);
+  assert.deepEqual(first_hit(map.cells, [-3, 0.5, 2.5], [1, 0, 0], [0, 9]), { index: 0, distance: 2 });
+  assert.deepEqual(first_hit(map.cells, [4.5, 0.5, 9], [0, 0, -1], [0, 9]), { index: 2, distance: 6 });
+  assert.equal(first_hit(map.cells, [4.5, 0.5, 9], [0, 0, -1], [3.5, 9]), null);
+  assert.equal(first_hit(map.cells, [-3, 9, 2.5], [1, 0, 0], [0, 9]), null);
+  assert.deepEqual(boxes_across(map.cells, 5, 5), [0, 1]);
+  assert.equal(widest_height(map.cells), 2.5);
+});
+
+test('a cell knows its extent and its windows', () => {
+  const map = new CellMap(small_map());
+  assert.deepEqual(map.windows(0), [[1, 1, 2, 1, 2, 4]]);
+  assert.deepEqual(map.windows(2), []);
+  assert.deepEqual(map.extent(1), [-1, 1, 2, 2, 2, 4]);
+  assert.ok(cell_line(map, 0).text.includes('2.00 × 2.00 × 2.00 m in component 0, with 1 window '));
+});
+
+test('cells are coloured by component, by volume, and without harm when all are alike', () => {
+  const map = new CellMap(small_map());
+  const cell = (colours, i) => [...colours.slice(3 * i, 3 * i + 3)];
+  const by_component = map.colours('component');
+  assert.deepEqual(cell(by_component, 0), cell(by_component, 1));
+  assert.notDeepEqual(cell(by_component, 0), cell(by_component, 2));
+  const by_volume = map.colours('volume');
+  assert.deepEqual(cell(by_volume, 2), speed_colour(0).map((channel) => Math.round(255 * channel)));
+  assert.deepEqual(cell(by_volume, 0), speed_colour(1).map((channel) => Math.round(255 * channel)));
+  const none = { ...small_map(), cells: { boxes: '', extents: '', components: '' }, components: [] };
+  assert.equal(new CellMap(none).colours('volume').length, 0);
+});
+
+test('a map has its page, fields or not', () => {
+  const report = small_map();
+  assert.ok(map_headline({}).text.includes('–'));
+  assert.ok(map_heading('t', {}, '').text.includes('nothing free'));
+  assert.ok(map_heading('t', { cells: 3, largest_component: 0.89 }, 'why').text.includes('in pieces'));
+  assert.ok(map_heading('t', { cells: 3, largest_component: 0.9 }, '').text.includes('connected'));
+  assert.ok(!map_numbers(report).text.includes('largest first'));
+  report.cells = { ...report.cells, count: 12345 };
+  report.map = { components: 3, section_bytes: { record_offsets: 1234 } };
+  const text = map_numbers(report).text;
+  for (const part of ['largest first', 'record offsets', '1,234', 'and 1 smaller one', '90.91 %']) assert.ok(text.includes(part), part);
 });
