@@ -17,6 +17,12 @@ constexpr std::array<std::array<Real, 6>, 3> kJerkRows{{
     {-12 * kSqrt5, -6 * kSqrt5, -kSqrt5, 12 * kSqrt5, -6 * kSqrt5, kSqrt5},
 }};
 
+// In float, the long floppy chains of relaxed corridors need a hold: each junction is drawn to the middle of its gate
+// with this share of the stiffness that its two segments give it. Without it 10 of the 60 reference cases are lost in
+// float; with it all are solved, the cost within 0.06 % of double. A tenth loses two cases, ten times as much costs 13
+// %.
+constexpr Real kHold = sizeof(Real) == 8 ? Real(0) : Real(4e-4);
+
 Real gate_middle(const AxisProblem& problem, std::size_t junction) {
   return (problem.gate_lo(junction) + problem.gate_hi(junction)) / 2;
 }
@@ -86,7 +92,7 @@ class RowStack {
   }
 
  private:
-  static constexpr std::size_t kMaxRows = 2 * kBlockSize;
+  static constexpr std::size_t kMaxRows = 2 * kBlockSize + 1;  // two segments' and a hold
   std::array<Row, kMaxRows> rows_{};
   std::size_t count_ = 0;
 };
@@ -152,6 +158,18 @@ void eliminate_junction(const AxisProblem& problem, std::size_t k, RowStack& sta
   stack.advance(used);
 }
 
+/// The row that holds a junction near the middle of its gate.
+void push_hold(const AxisProblem& problem, std::size_t junction, RowStack& stack) {
+  Real stiffness = 0;  // of a position between segments: 720 / T^5 each
+  for (const std::size_t segment : {junction, junction + 1}) {
+    const Real T = problem.durations[segment];
+    stiffness += 720 / (T * T * T * T * T);
+  }
+  RowStack::Row row{kHold * std::sqrt(stiffness)};
+  row[RowStack::kRhs] = row[0] * gate_middle(problem, junction);
+  stack.push(row);
+}
+
 }  // namespace
 
 void junction_scales(std::span<const Real> durations, std::span<Real> scales) {
@@ -165,6 +183,7 @@ void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor,
   push_segment(problem, 0, stack);
   for (std::size_t k = 0; k < junctions; ++k) {
     push_segment(problem, k + 1, stack);
+    if (kHold > 0) push_hold(problem, k, stack);
     eliminate_junction(problem, k, stack, factor[k], &optimum[kBlockSize * k]);
   }
   for (std::size_t k = junctions - 1; k-- > 0;) {

@@ -107,34 +107,34 @@ inline bool check_true(const char* file, int line, std::string_view claim, bool 
   static const swiftlet::test::Case suite##_##name##_case(#suite, #name, &suite##_##name##_body); \
   static void suite##_##name##_body()
 
-#define SWIFTLET_CHECK_(Relation, a, b) \
+#define SWIFTLET_CHECK(Relation, a, b) \
   swiftlet::test::check<swiftlet::test::Relation>(__FILE__, __LINE__, #Relation "(" #a ", " #b ")", a, b)
-#define SWIFTLET_CHECK_NEAR_(a, b, tolerance)                                                    \
+#define SWIFTLET_CHECK_NEAR(a, b, tolerance)                                                     \
   swiftlet::test::check_near(__FILE__, __LINE__, "Near(" #a ", " #b ")", static_cast<double>(a), \
                              static_cast<double>(b), static_cast<double>(tolerance))
-#define SWIFTLET_CHECK_TRUE_(a) swiftlet::test::check_true(__FILE__, __LINE__, #a, static_cast<bool>(a))
-#define SWIFTLET_CHECK_FALSE_(a) swiftlet::test::check_true(__FILE__, __LINE__, "not " #a, !static_cast<bool>(a))
+#define SWIFTLET_CHECK_TRUE(a) swiftlet::test::check_true(__FILE__, __LINE__, #a, static_cast<bool>(a))
+#define SWIFTLET_CHECK_FALSE(a) swiftlet::test::check_true(__FILE__, __LINE__, "not " #a, !static_cast<bool>(a))
 
-#define EXPECT_TRUE(a) static_cast<void>(SWIFTLET_CHECK_TRUE_(a))
-#define EXPECT_FALSE(a) static_cast<void>(SWIFTLET_CHECK_FALSE_(a))
-#define EXPECT_EQ(a, b) static_cast<void>(SWIFTLET_CHECK_(Equal, a, b))
-#define EXPECT_NE(a, b) static_cast<void>(SWIFTLET_CHECK_(NotEqual, a, b))
-#define EXPECT_LT(a, b) static_cast<void>(SWIFTLET_CHECK_(Less, a, b))
-#define EXPECT_LE(a, b) static_cast<void>(SWIFTLET_CHECK_(LessEqual, a, b))
-#define EXPECT_GT(a, b) static_cast<void>(SWIFTLET_CHECK_(Greater, a, b))
-#define EXPECT_GE(a, b) static_cast<void>(SWIFTLET_CHECK_(GreaterEqual, a, b))
-#define EXPECT_NEAR(a, b, tolerance) static_cast<void>(SWIFTLET_CHECK_NEAR_(a, b, tolerance))
+#define EXPECT_TRUE(a) static_cast<void>(SWIFTLET_CHECK_TRUE(a))
+#define EXPECT_FALSE(a) static_cast<void>(SWIFTLET_CHECK_FALSE(a))
+#define EXPECT_EQ(a, b) static_cast<void>(SWIFTLET_CHECK(Equal, a, b))
+#define EXPECT_NE(a, b) static_cast<void>(SWIFTLET_CHECK(NotEqual, a, b))
+#define EXPECT_LT(a, b) static_cast<void>(SWIFTLET_CHECK(Less, a, b))
+#define EXPECT_LE(a, b) static_cast<void>(SWIFTLET_CHECK(LessEqual, a, b))
+#define EXPECT_GT(a, b) static_cast<void>(SWIFTLET_CHECK(Greater, a, b))
+#define EXPECT_GE(a, b) static_cast<void>(SWIFTLET_CHECK(GreaterEqual, a, b))
+#define EXPECT_NEAR(a, b, tolerance) static_cast<void>(SWIFTLET_CHECK_NEAR(a, b, tolerance))
 
-#define SWIFTLET_OR_RETURN_(holds) \
-  if (holds) {                     \
-  } else                           \
+#define SWIFTLET_OR_RETURN(holds) \
+  if (holds) {                    \
+  } else                          \
     return
-#define ASSERT_TRUE(a) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_TRUE_(a))
-#define ASSERT_FALSE(a) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_FALSE_(a))
-#define ASSERT_EQ(a, b) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_(Equal, a, b))
-#define ASSERT_NE(a, b) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_(NotEqual, a, b))
-#define ASSERT_LT(a, b) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_(Less, a, b))
-#define ASSERT_LE(a, b) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_(LessEqual, a, b))
-#define ASSERT_GT(a, b) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_(Greater, a, b))
-#define ASSERT_GE(a, b) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_(GreaterEqual, a, b))
-#define ASSERT_NEAR(a, b, tolerance) SWIFTLET_OR_RETURN_(SWIFTLET_CHECK_NEAR_(a, b, tolerance))
+#define ASSERT_TRUE(a) SWIFTLET_OR_RETURN(SWIFTLET_CHECK_TRUE(a))
+#define ASSERT_FALSE(a) SWIFTLET_OR_RETURN(SWIFTLET_CHECK_FALSE(a))
+#define ASSERT_EQ(a, b) SWIFTLET_OR_RETURN(SWIFTLET_CHECK(Equal, a, b))
+#define ASSERT_NE(a, b) SWIFTLET_OR_RETURN(SWIFTLET_CHECK(NotEqual, a, b))
+#define ASSERT_LT(a, b) SWIFTLET_OR_RETURN(SWIFTLET_CHECK(Less, a, b))
+#define ASSERT_LE(a, b) SWIFTLET_OR_RETURN(SWIFTLET_CHECK(LessEqual, a, b))
+#define ASSERT_GT(a, b) SWIFTLET_OR_RETURN(SWIFTLET_CHECK(Greater, a, b))
+#define ASSERT_GE(a, b) SWIFTLET_OR_RETURN(SWIFTLET_CHECK(GreaterEqual, a, b))
+#define ASSERT_NEAR(a, b, tolerance) SWIFTLET_OR_RETURN(SWIFTLET_CHECK_NEAR(a, b, tolerance))

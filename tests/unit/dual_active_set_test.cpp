@@ -104,8 +104,9 @@ TEST(DualActiveSet, SolutionsMeetTheKktConditions) {
       const QpRow& row = solver.active_rows()[j];
       EXPECT_GE(solver.multipliers()[j], Real(0));
       EXPECT_NEAR(row_value(row, solver.solution()), row.bound, kIsDouble ? 1e-9 : 1e-3);
-      for (std::size_t i = 0; i < row.coefficients.size() && 3 * row.block + i < kUnknowns; ++i) {
-        residual[3 * row.block + i] += solver.multipliers()[j] * row.coefficients[i];
+      const std::size_t first = kBlockSize * row.block;
+      for (std::size_t i = 0; i < row.coefficients.size() && first + i < kUnknowns; ++i) {
+        residual[first + i] += solver.multipliers()[j] * row.coefficients[i];
       }
     }
     for (const Real value : residual) EXPECT_NEAR(value, 0, kIsDouble ? 1e-8 : 2e-2);

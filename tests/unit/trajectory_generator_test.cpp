@@ -70,6 +70,16 @@ TEST(TrajectoryGenerator, NeverCostsMoreThanStoppingAtEveryGate) {
   }
 }
 
+TEST(TrajectoryGenerator, LongChainsOfWideGatesAreSolvedInEitherPrecision) {
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    const RandomCorridor corridor(seed, RandomCorridor::kMost, false);
+    const TrajectoryProblem problem = corridor.problem();
+    const Answer answer(problem);
+    ASSERT_EQ(answer.status, Status::kOk);
+    expect_inside(problem, answer.all());
+  }
+}
+
 TEST(TrajectoryGenerator, PermutingTheAxesPermutesTheAnswer) {
   const RandomCorridor corridor(3, 8, true);
   RandomCorridor turned = corridor;

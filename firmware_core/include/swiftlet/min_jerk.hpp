@@ -36,8 +36,8 @@ inline bool is_pinned(const AxisProblem& problem, std::size_t junction) {
 }
 
 /// Factors the jerk cost as |R x - c|^2 by orthogonal elimination over the chain of segments: the three Legendre
-/// coefficients of each segment's jerk are its rows, so R carries the square root of the Hessian's condition. Cost
-/// O(M).
+/// coefficients of each segment's jerk are its rows, so R carries the square root of the Hessian's condition. In
+/// float a weak hold draws each junction to the middle of its gate (kHold in the source says what it costs). Cost O(M).
 ///   factor   receives M - 1 blocks of R = D U
 ///   optimum  receives the 3 (M - 1) unknowns of the unconstrained optimum
 void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum);

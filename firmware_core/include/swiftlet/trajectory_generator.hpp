@@ -36,7 +36,7 @@ struct TrajectoryProblem {
   State goal;
   Vector3 v_max;  ///< [m/s]
   Vector3 a_max;  ///< [m/s^2]
-  Margins margins;
+  Margins margins = {};
   SolveEffort effort = {};
 };
 
