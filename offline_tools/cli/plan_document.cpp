@@ -167,7 +167,9 @@ Json plan_document(const MapFile& map, const PlanRequest& request, const Plan& p
 Json case_document(const TrajectoryCase& problem, const CaseAnswer& answer) {
   Json json{{"format", "swiftlet-plan/1"}};
   if (problem.name) json["name"] = *problem.name;
-  json["status"] = describe(answer.status);
+  // A case that found no answer has no word in the contract: null keeps its line, and the program reports a defect.
+  const bool answered = answer.status != Status::kIterationLimit && answer.status != Status::kNumericalTrouble;
+  json["status"] = answered ? Json(describe(answer.status)) : Json(nullptr);
   if (!answer.reason.empty()) json["reason"] = answer.reason;
   json["request"] = {{"start", to_json(problem.start)},
                      {"goal", to_json(problem.goal)},

@@ -165,6 +165,46 @@ TEST_F(Solve, ABatchGoesOnAfterACaseWithoutAnswer) {
   EXPECT_EQ(answers[2]["status"], "optimal");
 }
 
+TEST_F(Solve, ABatchWritesEveryLineEvenWhenACaseCannotBeAnswered) {
+  Json far = two_boxes();  // where a double's digits are coarser than the certificate's tolerance
+  far["name"] = "far";
+  for (const char* key : {"boxes", "gates"}) {
+    for (Json& box : far[key]) {
+      box[0] = box[0].get<double>() + 1e12;
+      box[3] = box[3].get<double>() + 1e12;
+    }
+  }
+  for (const char* key : {"start", "goal"}) {
+    Json& x = far[key]["position"][0];
+    x = x.get<double>() + 1e12;
+  }
+  write_text(path("cases.jsonl"), far.dump() + "\n" + two_boxes().dump() + "\n");
+  EXPECT_TRUE(refused(swiftlet({"solve", "--cases", path("cases.jsonl"), "--jsonl", path("out.jsonl")}), 4,
+                      {"'far'", "please report"}));
+  const std::vector<Json> answers = read_lines(path("out.jsonl"));
+  ASSERT_EQ(answers.size(), 2U);
+  EXPECT_EQ(answers[0]["name"], "far");
+  EXPECT_TRUE(answers[0]["status"].is_null());
+  EXPECT_FALSE(answers[0].contains("segments"));
+  EXPECT_EQ(answers[1]["status"], "optimal");
+}
+
+TEST_F(Solve, ACaseTooStiffForTheSolverStillGetsACertifiedAnswer) {
+  Json stiff = two_boxes();  // accelerations of 1e8 m/s^2, whose digits the solver's tolerance does not have
+  stiff["boxes"] = {{0, -62, -62, 46, 62, 62}, {46, -62, -62, 85, 62, 62}};
+  stiff["gates"] = {{46, 52, -31, 46, 55, 31}};
+  stiff["durations"] = {0.00078, 0.04};
+  stiff["start"]["position"] = {0.06, 0, 0};
+  stiff["goal"]["position"] = {84.9, 0, 0};
+  stiff["vmax"] = nullptr;
+  stiff["amax"] = nullptr;
+  ASSERT_EQ(solve(stiff).status, 0);
+  EXPECT_TRUE(answer()["status"] == "optimal" || answer()["status"] == "fallback") << answer()["status"];
+  EXPECT_EQ(answer().contains("fallback_reason"), answer()["status"] == "fallback");
+  EXPECT_EQ(answer()["certificate"]["pass"], true);
+  EXPECT_EQ(answer()["segments"][0]["duration"], 0.00078);
+}
+
 TEST_F(Solve, ABatchWithABrokenLineWritesNothingAndNamesTheLine) {
   write_text(path("cases.jsonl"), two_boxes().dump() + "\n{broken\n");
   EXPECT_TRUE(refused(swiftlet({"solve", "--cases", path("cases.jsonl"), "--jsonl", path("out.jsonl")}), 3,
