@@ -9,13 +9,15 @@ cmake_path(GET PROJECT_BINARY_DIR FILENAME SWIFTLET_TEST_PREFIX)
 set(SWIFTLET_PROPERTY_RUNS 100 CACHE STRING "Random cases of a property test: 2000 in host-release")
 set(SWIFTLET_TEST_SECONDS 300 CACHE STRING "Time limit of each test [s]")
 
+# Expected values are written as doubles and serve both kinds of Real. Linked last: the last option wins.
+add_library(swiftlet_test_warnings INTERFACE)
+target_compile_options(swiftlet_test_warnings INTERFACE -Wno-double-promotion -Wno-float-conversion)
+
 function(swiftlet_test_definitions target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests/harness ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(${target} PRIVATE SWIFTLET_PROPERTY_RUNS=${SWIFTLET_PROPERTY_RUNS}
                                                SWIFTLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  target_link_libraries(${target} PRIVATE swiftlet_board swiftlet_warnings)
-  # Expected values are written as doubles and serve both kinds of Real.
-  target_compile_options(${target} PRIVATE -Wno-double-promotion -Wno-float-conversion)
+  target_link_libraries(${target} PRIVATE swiftlet_board swiftlet_warnings swiftlet_test_warnings)
 endfunction()
 
 # swiftlet_add_test(NAME COMMAND...): add_test with prefix and timeout.
