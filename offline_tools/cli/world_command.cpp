@@ -23,11 +23,10 @@ struct WorldOptions {
 World make_world(const WorldOptions& options) {
   if (options.kind == "maze") return make_maze(options.seed);
   if (options.kind == "classroom") return make_classroom(options.seed);
-  if (options.kind == "office" || options.kind == "forest") {
-    throw Failure{ExitStatus::kUsage,
-                  "world " + options.kind + " comes with a later version; maze and classroom exist"};
-  }
-  throw Failure{ExitStatus::kUsage, "there is no world '" + options.kind + "'; maze and classroom exist"};
+  if (options.kind == "office") return make_office(options.seed);
+  if (options.kind == "forest") return make_forest(options.seed);
+  throw Failure{ExitStatus::kUsage,
+                "there is no world '" + options.kind + "'; maze, classroom, office and forest exist"};
 }
 
 ExitStatus run_world(const WorldOptions& options) {
@@ -45,7 +44,7 @@ ExitStatus run_world(const WorldOptions& options) {
 void add_world_command(CLI::App& app, Command& chosen) {
   CLI::App* command = add_subcommand(app, "world", "Write a generated world as an OctoMap");
   const auto options = std::make_shared<WorldOptions>();
-  command->add_option("kind", options->kind, "maze or classroom")->required();
+  command->add_option("kind", options->kind, "maze, classroom, office or forest")->required();
   add_count(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(), "Same seed, same bytes")
       ->required();
   command->add_option("-o,--out", options->out, "OctoMap to write (.bt)")->required();

@@ -9,11 +9,17 @@
 namespace swiftlet::tools {
 namespace {
 
+constexpr double kEdge = 4294967296.0;  // one voxel edge in fixed point: a path of 2^16 steps is exact to 2^-17
+constexpr std::int64_t kUnreached = std::numeric_limits<std::int64_t>::max();
+
+/// The length of a step that changes 1, 2 or 3 coordinates.
+std::int64_t step_length(int axes) { return std::llround(kEdge * std::sqrt(static_cast<double>(axes))); }
+
 /// One of the 26 moves. Of the 27 voxels around its start, numbered (z + 1) * 9 + (y + 1) * 3 + x + 1, bit i of
 /// `touched` says whether the move touches number i: a diagonal touches all voxels of the box that it crosses.
 struct Step {
   Voxel offset;
-  double length;  ///< [voxel edges]
+  std::int64_t length;
   std::uint32_t touched;
 };
 
@@ -41,7 +47,7 @@ std::vector<Step> steps_26() {
       const auto along = [&](std::size_t axis) { return (part >> axis & 1U) != 0 ? offset[axis] : 0; };
       touched |= bit_of({along(0), along(1), along(2)});
     }
-    steps.push_back({offset, std::sqrt(static_cast<double>(squared)), touched});
+    steps.push_back({offset, step_length(squared), touched});
   }
   return steps;
 }
@@ -53,7 +59,7 @@ Voxel moved(const Voxel& voxel, const Voxel& step) {
 }  // namespace
 
 VoxelPathFinder::VoxelPathFinder(const VoxelGrid& grid, double radius)
-    : grid_(grid), free_(voxels_with_clearance(grid, radius)), cost_(grid.voxel_count()) {}
+    : grid_(grid), free_(voxels_with_clearance(grid, radius)), cost_(grid.voxel_count(), kUnreached) {}
 
 std::uint32_t VoxelPathFinder::free_around(const Voxel& voxel) const {
   static const std::vector<Voxel> offsets = offsets_27();
@@ -65,10 +71,11 @@ std::uint32_t VoxelPathFinder::free_around(const Voxel& voxel) const {
   return free;
 }
 
-double VoxelPathFinder::octile(const Voxel& a, const Voxel& b) const {
+std::int64_t VoxelPathFinder::octile(const Voxel& a, const Voxel& b) {
+  static const std::array<std::int64_t, 3> lengths{step_length(1), step_length(2), step_length(3)};
   std::array<int, 3> d{std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])};
   std::sort(d.begin(), d.end());
-  return std::sqrt(3.0) * d[0] + std::sqrt(2.0) * (d[1] - d[0]) + (d[2] - d[1]);
+  return lengths[2] * d[0] + lengths[1] * (d[1] - d[0]) + lengths[0] * (d[2] - d[1]);
 }
 
 std::optional<double> VoxelPathFinder::shortest(const Voxel& from, const Voxel& to) {
@@ -76,24 +83,27 @@ std::optional<double> VoxelPathFinder::shortest(const Voxel& from, const Voxel& 
   const std::size_t goal = grid_.index(to);
   if (free_[grid_.index(from)] == 0 || free_[goal] == 0) return std::nullopt;
 
-  std::fill(cost_.begin(), cost_.end(), std::numeric_limits<double>::infinity());
+  for (const std::size_t voxel : reached_) cost_[voxel] = kUnreached;
+  reached_.assign(1, grid_.index(from));
   std::priority_queue<Open, std::vector<Open>, Later> open;
   cost_[grid_.index(from)] = 0;
   open.push({octile(from, to), 0, grid_.index(from)});
   while (!open.empty()) {
     const Open best = open.top();
     open.pop();
-    if (best.voxel == goal) return best.cost * grid_.resolution();
+    if (best.voxel == goal) return static_cast<double>(best.cost) / kEdge * grid_.resolution();
     if (best.cost > cost_[best.voxel]) continue;  // a shorter way was found meanwhile
     const Voxel voxel = grid_.voxel(best.voxel);
     const std::uint32_t free = free_around(voxel);
     for (const Step& step : steps) {
       if ((step.touched & ~free) != 0) continue;
       const Voxel next = moved(voxel, step.offset);
-      const double cost = best.cost + step.length;
-      if (cost >= cost_[grid_.index(next)]) continue;
-      cost_[grid_.index(next)] = cost;
-      open.push({cost + octile(next, to), cost, grid_.index(next)});
+      const std::size_t index = grid_.index(next);
+      const std::int64_t cost = best.cost + step.length;
+      if (cost >= cost_[index]) continue;
+      if (cost_[index] == kUnreached) reached_.push_back(index);
+      cost_[index] = cost;
+      open.push({cost + octile(next, to), cost, index});
     }
   }
   return std::nullopt;

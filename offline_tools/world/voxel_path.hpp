@@ -21,23 +21,26 @@ class VoxelPathFinder {
 
  private:
   struct Open {
-    double priority;
-    double cost;
+    std::int64_t priority;
+    std::int64_t cost;
     std::size_t voxel;
   };
+  /// Of equal priorities the one nearer to the goal goes first: open space holds many equal paths.
   struct Later {
     bool operator()(const Open& a, const Open& b) const {
-      return a.priority != b.priority ? a.priority > b.priority : a.voxel > b.voxel;
+      if (a.priority != b.priority) return a.priority > b.priority;
+      return a.cost != b.cost ? a.cost < b.cost : a.voxel > b.voxel;
     }
   };
 
   /// Bit (z + 1) * 9 + (y + 1) * 3 + x + 1 says whether the neighbour at offset (x, y, z) is free.
   [[nodiscard]] std::uint32_t free_around(const Voxel& voxel) const;
-  [[nodiscard]] double octile(const Voxel& a, const Voxel& b) const;
+  [[nodiscard]] static std::int64_t octile(const Voxel& a, const Voxel& b);
 
   const VoxelGrid& grid_;
   std::vector<std::uint8_t> free_;
-  std::vector<double> cost_;  ///< [voxel edges] best cost so far, infinity where not reached
+  std::vector<std::int64_t> cost_;    ///< best so far in fixed point, so that equal paths compare equal; kUnreached
+  std::vector<std::size_t> reached_;  ///< where cost_ is to be reset
 };
 
 /// The largest set of 6-connected voxels of `allowed`, as a mask. Of equal ones, that with the lowest index.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <optional>
 
@@ -183,6 +184,31 @@ World draw_classroom(SplitMix64& random) {
   return room;
 }
 
+// --- forest: round trunks from ground to top, clear of the two ends of the main query ---
+
+constexpr Voxel kForestSize{200, 200, 25};
+constexpr double kForestResolution = 0.20;  // [m]
+constexpr double kForestVehicle = 0.25;     // [m] radius
+constexpr int kTrunks = 240;
+constexpr int kThickestTrunk = 2;  // [voxels] radius
+constexpr Voxel kForestStart{5, 5, 12};
+constexpr Voxel kForestGoal{194, 194, 12};
+constexpr int kClearing = 8;  // [voxels] around both
+
+void plant(VoxelGrid& grid, int x, int y, int radius) {
+  for (int dy = -radius; dy <= radius; ++dy) {
+    for (int dx = -radius; dx <= radius; ++dx) {
+      const Voxel foot{x + dx, y + dy, 0};
+      if (dx * dx + dy * dy > radius * radius || !grid.contains(foot)) continue;
+      grid.fill({foot, {foot[0], foot[1], kForestSize[2] - 1}}, true);
+    }
+  }
+}
+
+bool is_near(const Voxel& end, int x, int y) {
+  return std::abs(x - end[0]) <= kClearing && std::abs(y - end[1]) <= kClearing;
+}
+
 }  // namespace
 
 World make_maze(std::uint64_t seed) {
@@ -214,8 +240,22 @@ World make_classroom(std::uint64_t seed) {
   return best;
 }
 
+World make_forest(std::uint64_t seed) {
+  SplitMix64 random(seed);
+  World forest{VoxelGrid(kForestSize, kForestResolution), kForestVehicle, kForestStart, kForestGoal};
+  for (int trunk = 0; trunk < kTrunks;) {
+    const int x = random.between(0, kForestSize[0] - 1);
+    const int y = random.between(0, kForestSize[1] - 1);
+    if (is_near(kForestStart, x, y) || is_near(kForestGoal, x, y)) continue;
+    plant(forest.grid, x, y, random.between(0, kThickestTrunk));
+    ++trunk;
+  }
+  return forest;
+}
+
 std::vector<std::uint8_t> roomy_voxels(const VoxelGrid& grid, double radius) {
-  const double rounding = std::sqrt(3.0) * grid.resolution() / 4;  // diagonal of a cube of a quarter voxel
+  const double unit = grid.resolution() / (radius < grid.resolution() ? 4 : 2);
+  const double rounding = std::sqrt(3.0) * unit;  // diagonal of a cube of that edge
   return largest_component(grid, voxels_with_clearance(grid, radius + rounding));
 }
 

@@ -385,7 +385,7 @@ TEST_F(Program, WorldsComeOutTheSameForTheSameSeedAndOnlyThoseThatExist) {
   const auto world = [&](const std::string& kind, const std::string& seed, const std::string& name) {
     return swiftlet({"world", kind, "--seed", seed, "-o", path(name + ".bt"), "--query", path(name + ".csv")});
   };
-  for (const char* kind : {"maze", "classroom"}) {
+  for (const char* kind : {"maze", "classroom", "forest"}) {
     ASSERT_EQ(world(kind, "1", "a").status, 0);
     ASSERT_EQ(world(kind, "1", "b").status, 0);
     ASSERT_EQ(world(kind, "2", "c").status, 0);

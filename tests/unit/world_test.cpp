@@ -52,6 +52,32 @@ TEST(World, TheClassroomHasThePapersSizeAndAConnectedMainQuery) {
   }
 }
 
+TEST(World, TheOfficeHasThePapersSizeAndAMainQueryOfItsLengthToAHigherFloor) {
+  for (const std::uint64_t seed : {1U}) {
+    const World office = make_office(seed);
+    EXPECT_EQ(office.grid.size(), (Voxel{390, 250, 100})) << seed;
+    EXPECT_EQ(office.grid.occupied_count(), 259'237U) << seed;
+    EXPECT_LT(office.main_start[2], 25) << seed;
+    EXPECT_GT(office.main_goal[2], 25) << seed;
+    EXPECT_NEAR(*VoxelPathFinder(office.grid, office.radius).shortest(office.main_start, office.main_goal), 42, 1);
+  }
+}
+
+TEST(World, TheForestHasTrunksFromGroundToTopAndAMainQueryFromCornerToCorner) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const World forest = make_forest(seed);
+    ASSERT_EQ(forest.grid.size(), (Voxel{200, 200, 25})) << seed;
+    std::size_t feet = 0;
+    for (int y = 0; y < 200; ++y) {
+      for (int x = 0; x < 200; ++x) feet += forest.grid.occupied({x, y, 0}) ? 1 : 0;
+    }
+    EXPECT_EQ(forest.grid.occupied_count(), 25 * feet) << seed;
+    EXPECT_GT(feet, 500U) << seed;
+    const std::vector<WorldQuery> queries = make_queries(forest, seed, 1);
+    EXPECT_GT(queries.front().astar, 53) << seed;
+  }
+}
+
 TEST(World, TheSameSeedGivesTheSameBytesAndAnotherSeedOthers) {
   const World maze = make_maze(5);
   EXPECT_EQ(to_bt(maze.grid), to_bt(make_maze(5).grid));
