@@ -84,9 +84,10 @@ TEST(TimeRefinement, PassesOnThatTheDurationsGivenAreInfeasible) {
   for (std::size_t i = 0; i < 5; ++i) corridor.durations[i] /= 10;
   std::array<Segment, RandomCorridor::kMost> segments;
   TrajectoryReport report;
-  EXPECT_EQ(refine_durations(corridor.problem(), {10, 8}, storage.spans(), refinement_storage.spans(),
-                             std::span(corridor.durations).first(5), segments, report),
-            Status::kInfeasible);
+  const Status status = refine_durations(corridor.problem(), {10, 8}, storage.spans(), refinement_storage.spans(),
+                                         std::span(corridor.durations).first(5), segments, report);
+  // Float may give up before it has proven as much.
+  EXPECT_TRUE(status == Status::kInfeasible || (!kIsDouble && status == Status::kIterationLimit));
 }
 
 }  // namespace
