@@ -82,7 +82,8 @@ std::vector<Door> all_doors() {
 std::vector<Door> choose_doors(SplitMix64& random) {
   std::vector<Door> candidates = all_doors();
   random.shuffle(candidates);
-  std::array<std::size_t, kRooms * kRooms * kRooms> parent{};
+  constexpr std::size_t kRoomCount = std::size_t{kRooms} * kRooms * kRooms;
+  std::array<std::size_t, kRoomCount> parent{};
   for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = i;
   const auto root = [&](std::size_t room) {
     while (parent[room] != room) room = parent[room];
