@@ -9,7 +9,7 @@
 namespace swiftlet {
 namespace {
 
-constexpr std::uint32_t kSweepLimit = 60;  // sweeps over all segments; the reference cases need at most 12
+constexpr std::uint32_t kSweepLimit = 60;  // sweeps over all segments
 // Two active rows of one kind this close together (in normalised time) hold one extremum between them. Adding a third
 // there would only halve the gap; the one row that stands for both lies at their multipliers' centre of gravity, to
 // second order in the gap. Sweeps beyond kMergingSweeps keep all rows, in case two points of one kind are needed side
@@ -55,7 +55,7 @@ struct AxisBounds {
   }
 };
 
-/// Rows that one axis may add and drop; with default effort the reference cases need at most 4 M + 20.
+/// Rows that one axis may add and drop.
 std::uint32_t step_limit(const AxisBounds& bounds) {
   const auto segments = static_cast<std::uint32_t>(bounds.axis.segment_count());
   return bounds.problem->effort.steps_per_segment * segments + 100;
