@@ -108,6 +108,15 @@ bool lengths_usable(const BlobHeader& header) {
   return usable;
 }
 
+bool landmarks_usable(const BlobHeader& header) {
+  constexpr std::uint32_t kMaxLandmarks = 32;
+  constexpr std::uint32_t kMaxLandmarkShift = 16;
+  if (header.search_points > static_cast<std::uint32_t>(SearchPoints::kCentres)) return false;
+  if (header.landmark_count == 0) return header.landmark_shift == 0;
+  return header.landmark_count <= kMaxLandmarks && header.landmark_shift >= 1 &&
+         header.landmark_shift <= kMaxLandmarkShift;
+}
+
 /// Sections follow each other without gaps but for the padding to 8 bytes, and hold exactly what the counts say.
 bool sections_consistent(const BlobHeader& header) {
   const std::uint64_t cells = header.cell_count;
@@ -133,7 +142,7 @@ bool header_consistent(const BlobHeader& header) {
   constexpr std::uint32_t kMaxComponents = 65'536;
   if (!lengths_usable(header)) return false;
   if (header.unknown_policy > static_cast<std::uint32_t>(UnknownPolicy::kFree)) return false;
-  if (header.unit_shift > kMaxUnitShift || header.reserved != 0) return false;
+  if (header.unit_shift > kMaxUnitShift || !landmarks_usable(header)) return false;
   for (const std::uint32_t size : header.size) {
     if (size == 0 || size > kMaxSize) return false;
   }
@@ -245,6 +254,7 @@ bool BoxGraphView::records_consistent() const {
     std::uint32_t count = 0;
     if (!read_checked(at, end, count)) return false;
     neighbour_count += count;
+    std::size_t higher = 0;  // neighbours of a higher index
     auto other = static_cast<std::int64_t>(i);
     for (std::uint32_t k = 0; k < count; ++k) {  // ends with the section: every turn reads at least a byte
       std::uint32_t number = 0;
@@ -254,6 +264,7 @@ bool BoxGraphView::records_consistent() const {
       const auto neighbour = static_cast<CellIndex>(other);
       if (component(neighbour) != component(own) || !shares_window(cell(own), cell(neighbour))) return false;
       if (neighbour > own) {
+        ++higher;
         pairs_upward += hash_pair(i, to_size(neighbour));
       } else {
         pairs_downward += hash_pair(to_size(neighbour), i);
@@ -267,6 +278,10 @@ bool BoxGraphView::records_consistent() const {
       std::uint32_t growth = 0;
       if (!read_checked(at, end, growth) || growth > room) return false;
     }
+    if (!has_landmarks(component(own))) continue;
+    const std::size_t landmark_bytes = 2 * higher * header_->landmark_count;
+    if (landmark_bytes > static_cast<std::size_t>(end - at)) return false;
+    at += landmark_bytes;
   }
   // Rows hold each neighbour once, so equal sums mean that i knows j exactly when j knows i. A forged blob may get past
   // this with much work; what it wins is a search that cannot go back the way it came.
@@ -316,6 +331,21 @@ IntBox BoxGraphView::cell(CellIndex cell) const {
 const std::byte* BoxGraphView::record(CellIndex cell) const {
   return section<std::byte>(BlobSection::kRecords).data() +
          section<std::uint32_t>(BlobSection::kRecordOffsets)[to_size(cell)];
+}
+
+const std::byte* BoxGraphView::record_end(CellIndex cell) const {
+  const auto records = section<std::byte>(BlobSection::kRecords);
+  if (to_size(cell) + 1 == cell_count()) return records.data() + records.size();
+  return records.data() + section<std::uint32_t>(BlobSection::kRecordOffsets)[to_size(cell) + 1];
+}
+
+LandmarkRow BoxGraphView::landmarks(CellIndex a, CellIndex b) const {
+  const CellIndex low = a < b ? a : b;
+  const CellIndex high = a < b ? b : a;
+  const NeighbourRange row = neighbours(low);
+  NeighbourRange::Iterator at = row.begin();
+  while (at.remaining() > 1 && *at != high) ++at;
+  return landmarks(low, at);
 }
 
 IntBox BoxGraphView::extent(CellIndex cell) const {

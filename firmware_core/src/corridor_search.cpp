@@ -1,6 +1,7 @@
 #include "swiftlet/corridor_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -14,6 +15,7 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kClosed = kNone;
 constexpr Real kMaxWeight = Real(1e6);         // by then the search is greedy; more would only overflow
 constexpr std::size_t kFirstTableSize = 1024;  // of the hash, which grows with the nodes
+constexpr std::size_t kMaxLandmarks = 32;      // as the reader lets pass
 
 /// A point in units relative to the map origin. Coordinates of a map are 16-bit integers, so float holds them, their
 /// halves and their differences exactly; and it makes the search the same in float and double builds.
@@ -28,16 +30,13 @@ float distance(const Point& a, const Point& b) {
   return std::sqrt(x * x + y * y + z * z);
 }
 
-// ----------------------------------------------------------------------------------------------------- where windows
-// are
+// ------------------------------------------------------------------------------------------------ where windows are
 
 /// Gives each window the one point that stands for it throughout a query.
 class Representative {
  public:
-  Representative(SearchMode mode, const Point& start, const Point& goal)
-      : centre_(mode != SearchMode::kDefault),
-        start_(start),
-        along_{goal.x - start.x, goal.y - start.y, goal.z - start.z} {
+  Representative(bool centre, const Point& start, const Point& goal)
+      : centre_(centre), start_(start), along_{goal.x - start.x, goal.y - start.y, goal.z - start.z} {
     const float squared = along_.x * along_.x + along_.y * along_.y + along_.z * along_.z;
     per_length_ = squared > 0 ? 1 / squared : 0;
   }
@@ -67,8 +66,48 @@ class Representative {
   float per_length_;
 };
 
-// ------------------------------------------------------------------------------------------------------------ open
-// list
+// -------------------------------------------------------------------------------------------------------- landmarks
+
+/// Lower bounds on the way to the goal over window centres by the triangle inequality, |d(l, w) - d(l, goal)|, for the
+/// landmarks l of the map (Goldberg and Harrelson, "Computing the shortest path: A* search meets graph theory", 2005).
+class LandmarkBound {
+ public:
+  /// `centres` gives the centre of a window. Without landmarks every bound is zero.
+  LandmarkBound(const BoxGraphView& graph, bool used, CellIndex goal_cell, const Point& goal,
+                const Representative& centres)
+      : count_(used ? graph.header().landmark_count : 0) {
+    if (count_ == 0) return;
+    step_ = 1 / static_cast<float>(1U << graph.header().landmark_shift);
+    to_goal_.fill(std::numeric_limits<float>::infinity());
+    for (const CellIndex neighbour : graph.neighbours(goal_cell)) {
+      const LandmarkRow row = graph.landmarks(goal_cell, neighbour);
+      const IntBox window = intersection(graph.cell(goal_cell), graph.cell(neighbour));
+      const float leg = distance(centres.of(window), goal);
+      for (std::size_t k = 0; k < count_; ++k) {
+        if (row[k] != kNoDistance) to_goal_[k] = std::min(to_goal_[k], leg + step_ * static_cast<float>(row[k]));
+      }
+    }
+  }
+
+  /// [unit] no way from the window to the goal is shorter. Both distances are rounded, by half a step each.
+  [[nodiscard]] float of(const LandmarkRow& row) const {
+    float largest = 0;
+    for (std::size_t k = 0; k < count_; ++k) {
+      if (row[k] == kNoDistance || to_goal_[k] == std::numeric_limits<float>::infinity()) continue;
+      largest = std::max(largest, std::fabs(step_ * static_cast<float>(row[k]) - to_goal_[k]));
+    }
+    return std::max(largest - step_, 0.0F);
+  }
+
+  [[nodiscard]] bool is_used() const { return count_ > 0; }
+
+ private:
+  std::size_t count_;
+  float step_ = 0;
+  std::array<float, kMaxLandmarks> to_goal_{};
+};
+
+// -------------------------------------------------------------------------------------------------------- open list
 
 /// Binary heap of nodes, least priority first, ties by node index. Each node knows its position, so its priority can
 /// fall.
@@ -120,8 +159,7 @@ class OpenList {
   std::size_t count_ = 0;
 };
 
-// ----------------------------------------------------------------------------------------------------------- node
-// table
+// ------------------------------------------------------------------------------------------------------- node table
 
 /// The reached windows, found by their two cells in either order. Only as much of the hash is used, and cleared, as the
 /// nodes ask for: a short search in a large table stays short.
@@ -146,7 +184,8 @@ class NodeTable {
     return used_[slot_];
   }
 
-  /// Puts in the window that the last `find` missed. The table must not be full.
+  /// Puts in a node of the window that the last `find` was for; from now on `find` gives this one. The table must not
+  /// be full.
   std::uint32_t add(const SearchNode& node) {
     const auto index = static_cast<std::uint32_t>(count_++);
     nodes_[index] = node;
@@ -167,7 +206,7 @@ class NodeTable {
   void resize(std::size_t size) {
     used_ = hash_.first(size);
     std::fill(used_.begin(), used_.end(), kNone);
-    for (std::size_t i = 0; i < count_; ++i) {
+    for (std::size_t i = count_; i-- > 0;) {  // the last node of a window comes first
       std::size_t slot = home(from(nodes_[i]), nodes_[i].to);
       while (used_[slot] != kNone) slot = (slot + 1) & (size - 1);
       used_[slot] = static_cast<std::uint32_t>(i);
@@ -182,8 +221,14 @@ class NodeTable {
   std::size_t slot_ = 0;
 };
 
-// ---------------------------------------------------------------------------------------------------------------
-// search
+// ----------------------------------------------------------------------------------------------------------- search
+
+/// True when the mode's graph is the paper's, where a window stands for its centre.
+bool uses_centres(const BoxGraphView& graph, CellIndex start_cell, SearchMode mode) {
+  if (mode != SearchMode::kDefault) return true;
+  return graph.header().search_points == static_cast<std::uint32_t>(SearchPoints::kCentres) &&
+         graph.has_landmarks(graph.component(start_cell));
+}
 
 class Search {
  public:
@@ -195,7 +240,11 @@ class Search {
         start_(to_units(start)),
         goal_(to_units(goal)),
         weight_(static_cast<float>(options.weight)),
-        representative_(options.mode, start_, goal_),
+        representative_(uses_centres(graph, start_cell, options.mode), start_, goal_),
+        bound_(graph,
+               options.mode != SearchMode::kPlain && uses_centres(graph, start_cell, options.mode) &&
+                   graph.has_landmarks(graph.component(start_cell)),
+               goal_cell, goal_, representative_),
         nodes_(scratch, start_cell_),
         open_(scratch.open, scratch.nodes) {}
 
@@ -263,11 +312,12 @@ class Search {
         at_start ? start_ : representative_.of(intersection(graph_.cell(static_cast<CellIndex>(near)), cell));
 
     if (here == goal_cell_) relax_goal(node, cost + distance(point, goal_));
-    for (const CellIndex neighbour : graph_.neighbours(static_cast<CellIndex>(here))) {
-      const auto to = static_cast<std::uint32_t>(neighbour);
+    const NeighbourRange neighbours = graph_.neighbours(static_cast<CellIndex>(here));
+    for (NeighbourRange::Iterator at = neighbours.begin(); at != neighbours.end(); ++at) {
+      const auto to = static_cast<std::uint32_t>(*at);
       if (to == near) continue;
-      const Point next = representative_.of(intersection(cell, graph_.cell(neighbour)));
-      if (!relax(node, here, to, next, cost + distance(point, next))) return Status::kSearchCapacity;
+      const Point next = representative_.of(intersection(cell, graph_.cell(*at)));
+      if (!relax(node, here, at, next, cost + distance(point, next))) return Status::kSearchCapacity;
     }
     return Status::kOk;
   }
@@ -278,21 +328,35 @@ class Search {
     last_ = parent;
   }
 
-  /// False when the window is new and the node table is full.
-  bool relax(std::uint32_t parent, std::uint32_t from, std::uint32_t to, const Point& point, float cost) {
+  /// [unit] no way is shorter from the window between cell `from` and the neighbour that `at` stands on, seen at
+  /// `point`, to the goal.
+  [[nodiscard]] float heuristic(std::uint32_t from, const NeighbourRange::Iterator& at, const Point& point) const {
+    const float straight = distance(point, goal_);
+    if (!bound_.is_used()) return straight;
+    const auto cell = static_cast<CellIndex>(from);
+    return std::max(straight, bound_.of(*at > cell ? graph_.landmarks(cell, at) : graph_.landmarks(cell, *at)));
+  }
+
+  /// Offers a way of `cost` to the window between `from` and the neighbour that `at` stands on. False when that takes a
+  /// node and the table is full.
+  bool relax(std::uint32_t parent, std::uint32_t from, const NeighbourRange::Iterator& at, const Point& point,
+             float cost) {
+    const auto to = static_cast<std::uint32_t>(*at);
     const std::uint32_t known = nodes_.find(from, to);
-    if (known == kNone) {
+    if (known != kNone && cost >= nodes_[known].cost) return true;
+    const float priority = cost + weight_ * heuristic(from, at, point);
+    if (priority >= goal_cost_) return true;  // no part of a shorter way
+    if (known == kNone || nodes_[known].position == kClosed) {
+      // A window that was expanded gets a second node: the first one stays, as its children's way back.
       if (nodes_.full()) return false;
-      const std::uint32_t added = nodes_.add({to, parent, 0, cost});
-      open_.push({cost + weight_ * distance(point, goal_), added});
+      open_.push({priority, nodes_.add({to, parent, 0, cost})});
       return true;
     }
     SearchNode& node = nodes_[known];
-    if (node.position == kClosed || cost >= node.cost) return true;
     node.to = to;
     node.parent = parent;
     node.cost = cost;
-    open_.lower({cost + weight_ * distance(point, goal_), known});
+    open_.lower({priority, known});
     return true;
   }
 
@@ -303,6 +367,7 @@ class Search {
   Point goal_;
   float weight_;
   Representative representative_;
+  LandmarkBound bound_;
   NodeTable nodes_;
   OpenList open_;
   float goal_cost_ = std::numeric_limits<float>::infinity();

@@ -18,6 +18,7 @@
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "map/audit.hpp"
+#include "map/landmarks.hpp"
 #include "map/map_builder.hpp"
 #include "map/map_report.hpp"
 #include "map/point_cloud.hpp"
@@ -39,6 +40,8 @@ struct BuildCommand {
   std::string unknown = "avoid";
   std::string partition = "boxes";
   std::uint64_t coarsen = 1;
+  std::uint64_t landmarks = 0;
+  CLI::Option* landmarks_given = nullptr;
   bool no_verify = false;
   MapBuildOptions build;
 };
@@ -119,6 +122,10 @@ void print_report(const MapReport& report) {
   print_row("vehicle", "radius " + to_text(report.radius, 3) + " m, unknown space: " + describe(report.unknown));
   print_row("cells", std::to_string(report.cells) + ", joined by " + std::to_string(report.windows) + " windows");
   print_row("blob", std::to_string(report.blob_bytes) + " bytes, crc32 " + report.crc32);
+  print_row("search",
+            std::to_string(report.landmarks) + " landmarks, " + std::to_string(report.landmark_bytes) +
+                " bytes; by default over " +
+                (report.searched_over_centres ? "window centres with them" : "points along the straight line"));
   print_row("free", to_text(report.free_volume, 2) + " m^3; lost " + to_text(report.lost_to_inflation, 2) +
                         " to inflation, " + to_text(report.lost_to_unknown, 2) + " to unknown space, " +
                         to_text(report.lost_to_coarsening, 2) + " to coarsening");
@@ -230,6 +237,7 @@ void apply_choices(BuildCommand& command) {
                                                           : UnknownPolicy::kFree;
   command.build.partition = command.partition == "boxes" ? Partition::kBoxes : Partition::kOctree;
   command.build.coarsen = static_cast<int>(command.coarsen);
+  if (*command.landmarks_given) command.build.landmarks = static_cast<std::uint32_t>(command.landmarks);
 }
 
 void add_build_command(CLI::App& map, Command& chosen) {
@@ -247,6 +255,9 @@ void add_build_command(CLI::App& map, Command& chosen) {
       ->type_name("x0,y0,z0,x1,y1,z1");
   add_count(*app, "--coarsen", command->coarsen, 1, kLargestCoarsening,
             "Keep only whole free blocks of so many voxels");
+  command->landmarks_given =
+      add_count(*app, "--landmarks", command->landmarks, 0, kMostLandmarks,
+                "Landmarks of the search, 2 bytes a window each; as many as stay below 60 % of the rest unless given");
   app->add_flag("--no-verify", command->no_verify, "Skip the check of the map against its source");
   app->add_option("--json", command->json, "swiftlet-map/1 report to write; - is standard output");
   app->callback([command, &chosen] {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <limits>
+#include <map>
 #include <span>
 
 #include "map/box_tree.hpp"
@@ -64,6 +66,7 @@ class Audit {
     check_cells();
     check_cover();
     check_graph();
+    check_landmarks();
     check_obstacles();
     return std::move(report_);
   }
@@ -292,6 +295,77 @@ class Audit {
       }
     }
     if (std::count(label_used.begin(), label_used.end(), false) > 0) defect("a component label has no cell");
+  }
+
+  /// Every stored distance is that from the window where the landmark's own distance is zero, over window centres,
+  /// rounded: then the search's bounds are admissible. By relaxation in the order of a ring of buckets one unit wide.
+  void check_landmarks() {
+    if (!view_.has_landmarks(0)) return;
+    std::vector<AuditWindow> windows;
+    std::vector<std::vector<std::uint32_t>> of_cell(view_.cell_count());
+    for (std::size_t i = 0; i < view_.cell_count(); ++i) {
+      const auto cell = static_cast<CellIndex>(i);
+      if (view_.component(cell) != 0) continue;
+      for (const CellIndex next : view_.neighbours(cell)) {
+        if (next < cell) continue;
+        const IntBox a = view_.cell(cell);
+        const IntBox b = view_.cell(next);
+        AuditWindow window{{}, cell, next, 0};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          window.centre[axis] = (std::max(a.lo[axis], b.lo[axis]) + std::min(a.hi[axis], b.hi[axis])) / 2.0;
+        }
+        of_cell[i].push_back(static_cast<std::uint32_t>(windows.size()));
+        of_cell[to_size(next)].push_back(static_cast<std::uint32_t>(windows.size()));
+        windows.push_back(window);
+      }
+    }
+    for (std::size_t k = 0; k < header_.landmark_count; ++k) {
+      check_landmark(k, windows, of_cell);
+      progress_("verify: landmarks", static_cast<double>(k + 1) / header_.landmark_count);
+    }
+  }
+
+  struct AuditWindow {
+    std::array<double, 3> centre;
+    CellIndex a, b;
+    double distance;  ///< [unit] from the landmark under way
+  };
+
+  void check_landmark(std::size_t k, std::vector<AuditWindow>& windows,
+                      const std::vector<std::vector<std::uint32_t>>& of_cell) {
+    const double step = 1.0 / static_cast<double>(1U << header_.landmark_shift);
+    std::map<std::int64_t, std::vector<std::uint32_t>> buckets;
+    for (std::uint32_t i = 0; i < windows.size(); ++i) {
+      const bool is_landmark = view_.landmarks(windows[i].a, windows[i].b)[k] == 0;
+      windows[i].distance = is_landmark ? 0 : std::numeric_limits<double>::infinity();
+      if (is_landmark) buckets[0].push_back(i);
+    }
+    if (buckets.empty() || buckets[0].size() != 1) {
+      return defect("landmark %zu lies at %zu windows, not at one", k, buckets.empty() ? 0 : buckets[0].size());
+    }
+    while (!buckets.empty()) {
+      std::vector<std::uint32_t> bucket = std::move(buckets.begin()->second);
+      buckets.erase(buckets.begin());
+      for (std::size_t next = 0; next < bucket.size(); ++next) {
+        const AuditWindow here = windows[bucket[next]];
+        for (const CellIndex cell : {here.a, here.b}) {
+          for (const std::uint32_t i : of_cell[to_size(cell)]) {
+            const double distance =
+                here.distance + std::hypot(windows[i].centre[0] - here.centre[0], windows[i].centre[1] - here.centre[1],
+                                           windows[i].centre[2] - here.centre[2]);
+            if (distance >= windows[i].distance) continue;
+            windows[i].distance = distance;
+            buckets[static_cast<std::int64_t>(distance)].push_back(i);
+          }
+        }
+      }
+    }
+    for (const AuditWindow& window : windows) {
+      const std::uint16_t stored = view_.landmarks(window.a, window.b)[k];
+      if (stored == kNoDistance || std::abs(step * stored - window.distance) <= step * 0.501) continue;
+      return defect("the window between cells %zu and %zu is %.9g units from landmark %zu, the map says %.9g",
+                    to_size(window.a), to_size(window.b), window.distance, k, step * stored);
+    }
   }
 
   void check_obstacles() {

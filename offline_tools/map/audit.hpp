@@ -19,7 +19,8 @@ struct AuditReport {
 /// Checks a blob against the map that it claims to be made of, by code and data structures apart from the builder's:
 /// the source and the mapped box; cells disjoint; no obstacle closer to a cell than the radius and no forbidden space
 /// in it; every unit cube of free space in a cell (up to the stated loss by coarsening); extents inside the union of
-/// cells; windows complete, symmetric and no other; component labels; point location; the packed obstacles. Cost: about
+/// cells; windows complete, symmetric and no other; component labels; landmark distances; point location; the packed
+/// obstacles. Cost: about
 /// that of building the map.
 AuditReport audit_map(const BoxGraphView& view, const VoxelMap& map, const Progress& progress);
 

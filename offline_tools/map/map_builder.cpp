@@ -1,10 +1,12 @@
 #include "map/map_builder.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "map/box_graph.hpp"
 #include "map/free_space.hpp"
+#include "map/landmarks.hpp"
 #include "map/obstacles.hpp"
 #include "map/partition.hpp"
 #include "swiftlet/box_graph_view.hpp"
@@ -74,11 +76,15 @@ class BlobWriter {
     header.version = kBlobVersion;
     header.blob_bytes = static_cast<std::uint32_t>(bytes_.size());
     header.sections = entries_;
-    header.crc32 = 0;
-    std::memcpy(bytes_.data(), &header, sizeof(BlobHeader));
-    header.crc32 = blob_crc32(bytes_);
-    std::memcpy(bytes_.data(), &header, sizeof(BlobHeader));
+    seal(header, bytes_);
     return std::move(bytes_);
+  }
+
+  static void seal(BlobHeader header, std::vector<std::byte>& bytes) {
+    header.crc32 = 0;
+    std::memcpy(bytes.data(), &header, sizeof(BlobHeader));
+    header.crc32 = blob_crc32(bytes);
+    std::memcpy(bytes.data(), &header, sizeof(BlobHeader));
   }
 
   [[nodiscard]] std::size_t size() const { return bytes_.size(); }
@@ -119,13 +125,15 @@ struct Records {
   std::vector<std::byte> bytes;
 };
 
-Records write_records(const std::vector<GridBox>& cells, const std::vector<GridBox>& extents, const Windows& windows) {
+Records write_records(const std::vector<GridBox>& cells, const std::vector<GridBox>& extents, const Windows& windows,
+                      const std::vector<std::uint16_t>& labels, const LandmarkTable& landmarks) {
   std::vector<std::vector<std::uint32_t>> rows(cells.size());
   // Windows are sorted, so each row first receives its lower neighbours in order, then the higher ones.
   for (const auto& [a, b] : windows) rows[b].push_back(a);
   for (const auto& [a, b] : windows) rows[a].push_back(b);
 
   Records records;
+  auto distance = landmarks.distances.begin();
   for (std::size_t i = 0; i < cells.size(); ++i) {
     records.offsets.push_back(static_cast<std::uint32_t>(records.bytes.size()));
     put_number(rows[i].size(), records.bytes);
@@ -140,8 +148,20 @@ Records write_records(const std::vector<GridBox>& cells, const std::vector<GridB
     for (std::size_t axis = 0; axis < 3; ++axis) {
       put_number(static_cast<std::uint64_t>(extents[i].hi[axis] - cells[i].hi[axis]), records.bytes);
     }
+    if (labels[i] != 0) continue;
+    const auto higher = std::count_if(rows[i].begin(), rows[i].end(), [i](std::uint32_t j) { return j > i; });
+    for (const auto end = distance + higher * static_cast<std::ptrdiff_t>(landmarks.count); distance != end;
+         ++distance) {
+      records.bytes.push_back(static_cast<std::byte>(*distance & 0xFFU));
+      records.bytes.push_back(static_cast<std::byte>(*distance >> 8U));
+    }
   }
   return records;
+}
+
+std::size_t windows_of_largest(const Windows& windows, const std::vector<std::uint16_t>& labels) {
+  return static_cast<std::size_t>(
+      std::count_if(windows.begin(), windows.end(), [&](const auto& window) { return labels[window.first] == 0; }));
 }
 
 }  // namespace
@@ -167,10 +187,15 @@ Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, con
   progress("connect", 0);
   const Windows windows = find_windows(cells);
   const std::vector<std::uint16_t> labels = label_components(cells, windows, header.component_count);
-  const Records records = write_records(cells, extents, windows);
-
   const std::vector<BlobBox> blob_cells = to_blob_boxes(cells);
   const std::vector<BlobBox> index = build_index(blob_cells);
+  progress("landmarks", 0);
+  const std::size_t bytes_without_landmarks =
+      sizeof(BlobHeader) + cells.size() * (sizeof(BlobBox) + sizeof(std::uint32_t) + sizeof(std::uint16_t)) +
+      write_records(cells, extents, windows, labels, {}).bytes.size() + index.size() * sizeof(BlobBox);
+  const std::uint32_t affordable = affordable_landmarks(windows_of_largest(windows, labels), bytes_without_landmarks);
+  const LandmarkTable landmarks = choose_landmarks(cells, windows, labels, options.landmarks.value_or(affordable));
+  const Records records = write_records(cells, extents, windows, labels, landmarks);
   header.resolution = map.resolution;
   header.origin = space->origin;
   header.radius = options.radius;
@@ -179,6 +204,8 @@ Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, con
   header.cell_count = static_cast<std::uint32_t>(cells.size());
   header.neighbour_count = static_cast<std::uint32_t>(2 * windows.size());
   header.index_node_count = static_cast<std::uint32_t>(index.size());
+  header.landmark_count = landmarks.count;
+  header.landmark_shift = landmarks.shift;
   header.lost_to_inflation = space->lost_to_inflation;
   header.lost_to_unknown = space->lost_to_unknown;
   header.lost_to_coarsening = space->lost_to_coarsening;
@@ -195,7 +222,13 @@ Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, con
   if (writer.size() > kMaxBlob) return bad_file(source + ": the blob would pass 4 GB; crop the map with --bounds");
 
   BuiltMap built{writer.finish(header), {}};
-  const Result<BoxGraphView> view = BoxGraphView::open(built.blob);
+  Result<BoxGraphView> view = BoxGraphView::open(built.blob);
+  if (view.ok() && measure_search_points(*view) == SearchPoints::kCentres) {
+    header = view->header();
+    header.search_points = static_cast<std::uint32_t>(SearchPoints::kCentres);
+    BlobWriter::seal(header, built.blob);
+    view = BoxGraphView::open(built.blob);
+  }
   if (!view.ok()) {
     constexpr int kInternalError = 4;
     return tl::unexpected(Error{kInternalError, source + ": built a blob that the reader refuses: " +

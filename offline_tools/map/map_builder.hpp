@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string_view>
@@ -20,6 +21,7 @@ struct MapBuildOptions {
   UnknownPolicy unknown = UnknownPolicy::kAvoid;
   Partition partition = Partition::kBoxes;
   std::optional<std::array<double, 6>> bounds;  ///< [m] x0 y0 z0 x1 y1 z1: only what lies inside is mapped
+  std::optional<std::uint32_t> landmarks;       ///< of the search; as many as stay below 60 % of the rest unless given
   int coarsen = 1;  ///< keep only whole blocks of this many voxels an edge that are free after inflation
 };
 
@@ -31,10 +33,10 @@ struct BuiltMap {
   MapReport report;
 };
 
-/// Flattens a voxel map into a blob (docs/map_format.md): inflate, partition, extend, connect, pack. Same input and
-/// options, same bytes. `source` names the map in the report and in errors. Errors (exit status 3): too large for the
-/// blob's integers or for memory, bounds that hold nothing of the map. Options are the caller's to check (finite,
-/// radius >= 0, coarsen >= 1).
+/// Flattens a voxel map into a blob (docs/map_format.md): inflate, partition, extend, connect, measure, pack. Same
+/// input and options, same bytes. `source` names the map in the report and in errors. Errors (exit status 3): too large
+/// for the blob's integers or for memory, bounds that hold nothing of the map. Options are the caller's to check
+/// (finite, radius >= 0, coarsen >= 1).
 Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, const MapBuildOptions& options,
                              const Progress& progress);
 

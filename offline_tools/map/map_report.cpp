@@ -31,6 +31,15 @@ std::uint64_t units_in(const IntBox& box) {
   return product;
 }
 
+std::size_t landmark_bytes(const BoxGraphView& view) {
+  std::size_t directed = 0;  // windows of the largest component, from both sides
+  for (std::size_t i = 0; i < view.cell_count(); ++i) {
+    const auto cell = static_cast<CellIndex>(i);
+    if (view.component(cell) == 0) directed += view.neighbours(cell).size();
+  }
+  return directed / 2 * view.header().landmark_count * sizeof(std::uint16_t);
+}
+
 constexpr std::array<const char*, kBlobSectionCount> kSectionNames{"cells",      "record_offsets", "records",
                                                                    "components", "index",          "obstacles"};
 
@@ -81,6 +90,10 @@ MapReport map_info(const BoxGraphView& view) {
     component_units[view.component(cell)] += units_in(view.cell(cell));
     report.degree_max = std::max(report.degree_max, view.neighbours(cell).size());
   }
+  report.landmarks = header.landmark_count;
+  report.landmark_bytes = landmark_bytes(view);
+  report.section_bytes[static_cast<std::size_t>(BlobSection::kRecords)] -= report.landmark_bytes;
+  report.searched_over_centres = header.search_points == static_cast<std::uint32_t>(SearchPoints::kCentres);
   report.free_volume = unit_volume * static_cast<double>(free_units);
   if (free_units == 0) return report;
 
@@ -108,6 +121,8 @@ nlohmann::ordered_json map_report_json(const MapReport& report) {
     sections[kSectionNames[i]] = report.section_bytes[i];
     section_sum += report.section_bytes[i];
   }
+  section_sum += report.landmark_bytes;
+  sections["landmarks"] = report.landmark_bytes;
   sections["header_and_padding"] = report.blob_bytes - section_sum;
   const double degree_mean =
       report.cells == 0 ? 0 : 2 * static_cast<double>(report.windows) / static_cast<double>(report.cells);
@@ -132,6 +147,8 @@ nlohmann::ordered_json map_report_json(const MapReport& report) {
           {"lost_to_coarsening_m3", report.lost_to_coarsening},
           {"degree", {{"mean", degree_mean}, {"max", report.degree_max}}},
           {"section_bytes", sections},
+          {"landmarks", report.landmarks},
+          {"default_search", report.searched_over_centres ? "landmarks" : "line"},
           {"source_sha256", report.source_sha256}};
 }
 

@@ -23,11 +23,15 @@ struct MapReport {
   std::size_t windows = 0;
   std::size_t degree_max = 0;  ///< most windows of one cell
   std::size_t blob_bytes = 0;
-  std::array<std::size_t, kBlobSectionCount> section_bytes{};
-  double free_volume = 0;         ///< [m^3]
-  double lost_to_inflation = 0;   ///< [m^3] known free space too close to obstacles
-  double lost_to_unknown = 0;     ///< [m^3] that policy `free` would leave free and this one does not
-  double lost_to_coarsening = 0;  ///< [m^3]
+  std::array<std::size_t, kBlobSectionCount> section_bytes{};  ///< records without their landmark distances
+  std::size_t landmarks = 0;                                   ///< distances stored with each window of the largest
+                                                               ///< component
+  std::size_t landmark_bytes = 0;
+  bool searched_over_centres = false;  ///< the default search sees windows at their centres and uses the landmarks
+  double free_volume = 0;              ///< [m^3]
+  double lost_to_inflation = 0;        ///< [m^3] known free space too close to obstacles
+  double lost_to_unknown = 0;          ///< [m^3] that policy `free` would leave free and this one does not
+  double lost_to_coarsening = 0;       ///< [m^3]
   double worst_loss =
       0;  ///< a free point farther than radius + this from all obstacles is in a cell (before coarsening)
   std::size_t components = 0;

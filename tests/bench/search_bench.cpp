@@ -159,7 +159,8 @@ int main(int argc, char** argv) {
                                    std::pair{"rgbd_room", "rgbd_room.ot"}, std::pair{"lounge", "lounge.bt"}}) {
     if (!std::ifstream(kMaps + name + "/queries.csv")) continue;
     for (const auto& [word, mode] :
-         {std::pair{"default", SearchMode::kDefault}, std::pair{"plain", SearchMode::kPlain}}) {
+         {std::pair{"default", SearchMode::kDefault}, std::pair{"landmarks", SearchMode::kLandmarks},
+          std::pair{"plain", SearchMode::kPlain}}) {
       benchmark::RegisterBenchmark((std::string(name) + "/" + word).c_str(), search, name, file, mode)
           ->Unit(benchmark::kMillisecond);
     }

@@ -91,6 +91,14 @@ TEST(MapAudit, SaysWhatIsWrongInHandMadeBlobs) {
   expect_finding(split, test::world_of({{".??.", ".??."}}), "component 0 is not connected");
   expect_finding(split, test::world_of({{".??.", ".??."}}), "label has no cell");
 
+  TestBlob marked = blob({left, IntBox{{2, 0, 0}, {3, 2, 1}}, IntBox{{3, 0, 0}, {4, 2, 1}}});
+  marked.set_landmarks(2);
+  ASSERT_EQ(audit_map(marked.view(), test::voxel_map(open_space), kSilent).defects, 0U);
+  marked.set_every_second_distance(257);  // one unit and a 256th, where it is one
+  expect_finding(marked, open_space, "units from landmark 0, the map says");
+  marked.set_every_second_distance(0);
+  expect_finding(marked, open_space, "landmark 0 lies at 2 windows, not at one");
+
   const SmallWorld obstacle = test::world_of({{"...#", "...."}});
   expect_finding(good, obstacle, "lies in an obstacle");
   expect_finding(good, obstacle, "less than the radius");
@@ -121,8 +129,11 @@ TEST(MapAudit, PassesTheRealScansAtTheRadiusOfTheirQueries) {
   options.radius = 0.3;
   const BuiltMap built = build(*map, options);
   EXPECT_LE(built.report.cells, 17'000U);
-  EXPECT_LE(built.report.blob_bytes - built.report.section_bytes[static_cast<std::size_t>(BlobSection::kObstacles)],
-            750'000U);
+  const std::size_t graph_bytes = built.report.blob_bytes - built.report.landmark_bytes -
+                                  built.report.section_bytes[static_cast<std::size_t>(BlobSection::kObstacles)];
+  EXPECT_LE(graph_bytes, 750'000U);
+  EXPECT_GT(built.report.landmarks, 0U);
+  EXPECT_LE(static_cast<double>(built.report.landmark_bytes), 0.6 * static_cast<double>(graph_bytes));
   const AuditReport report = audit_map(*BoxGraphView::open(built.blob), *map, kSilent);
   EXPECT_EQ(report.defects, 0U) << first_finding(report);
 }

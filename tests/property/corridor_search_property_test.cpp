@@ -22,6 +22,7 @@ using swiftlet::is_passage;
 using swiftlet::Real;
 using swiftlet::SearchMode;
 using swiftlet::SearchOptions;
+using swiftlet::SearchPoints;
 using swiftlet::SearchReport;
 using swiftlet::Status;
 using swiftlet::Vector3;
@@ -93,12 +94,17 @@ Vector3 random_point(const IntBox& box, std::mt19937& random) {
 TEST(CorridorSearchProperty, PlainAndLandmarksFindTheShortestPathOfThePaperAndWeightsKeepTheirBound) {
   int paths = 0;
   int longer_by_weight = 0;
+  std::uint64_t plain_expanded = 0;
+  std::uint64_t landmarks_expanded = 0;
+  std::uint64_t unused = 0;
   swiftlet::test::SearchMemory<512> memory;
   for (int run = 0; run < swiftlet::test::kPropertyRuns; ++run) {
     SCOPED_TRACE("seed " + std::to_string(run));
     std::mt19937 random(static_cast<unsigned>(run));
     const std::vector<IntBox> cells = random_cells(random);
     swiftlet::test::TestBlob blob({kSize, kSize, kSize}, cells);
+    blob.set_landmarks(1 + static_cast<unsigned>(run) % 4);
+    blob.set_search_points(run % 2 == 0 ? SearchPoints::kLine : SearchPoints::kCentres);
     const auto graph = BoxGraphView::open(blob.bytes());
     ASSERT_TRUE(graph.ok());
     const std::size_t from = random() % cells.size();
@@ -124,6 +130,9 @@ TEST(CorridorSearchProperty, PlainAndLandmarksFindTheShortestPathOfThePaperAndWe
       if (mode != SearchMode::kDefault) {
         ASSERT_NEAR(report.cost, shortest, 2e-6 * shortest);
       }
+      (mode == SearchMode::kPlain       ? plain_expanded
+       : mode == SearchMode::kLandmarks ? landmarks_expanded
+                                        : unused) += report.expanded;
       ASSERT_EQ(path[0], static_cast<CellIndex>(from));
       ASSERT_EQ(path[length - 1], static_cast<CellIndex>(to));
       for (std::size_t i = 0; i + 1 < length; ++i) {
@@ -133,12 +142,14 @@ TEST(CorridorSearchProperty, PlainAndLandmarksFindTheShortestPathOfThePaperAndWe
     if (shortest == std::numeric_limits<double>::infinity()) continue;
     ++paths;
     for (const Real weight : {Real(1.2), Real(2), Real(10)}) {
-      ASSERT_EQ(search({.mode = SearchMode::kPlain, .weight = weight}), Status::kOk);
+      ASSERT_EQ(search({.mode = run % 2 == 0 ? SearchMode::kPlain : SearchMode::kLandmarks, .weight = weight}),
+                Status::kOk);
       ASSERT_LE(report.cost, static_cast<double>(weight) * shortest * (1 + 2e-6));
       longer_by_weight += report.cost > shortest * (1 + 1e-4) ? 1 : 0;
     }
   }
   EXPECT_GT(paths, swiftlet::test::kPropertyRuns / 2);
+  EXPECT_LT(landmarks_expanded, plain_expanded * 4 / 5);
   EXPECT_GT(longer_by_weight, 0) << "no weight ever mattered";
 }
 

@@ -92,10 +92,10 @@ TEST(BoxGraphView, ReadsBackWhatWasWritten) {
 }
 
 TEST(BoxGraphView, TheChecksumIsTheOneOfZlib) {
-  // zlib.crc32 of 208 bytes that are zero but for 'swiftlet' at the front, as computed by Python's zlib.
+  // zlib.crc32 of 216 bytes that are zero but for 'swiftlet' at the front, as computed by Python's zlib.
   alignas(8) std::array<std::byte, sizeof(swiftlet::BlobHeader)> bytes{};
   std::memcpy(bytes.data(), "swiftlet", 8);
-  EXPECT_EQ(swiftlet::blob_crc32(bytes), 0x48EF5805U);
+  EXPECT_EQ(swiftlet::blob_crc32(bytes), 0xB269CC02U);
 }
 
 TEST(BoxGraphView, AMapWithoutCellsIsValidAndHoldsNothing) {
@@ -104,6 +104,28 @@ TEST(BoxGraphView, AMapWithoutCellsIsValidAndHoldsNothing) {
   EXPECT_FALSE(blob.view().locate(Vector3(1, 1, 1)).has_value());
   EXPECT_FALSE(blob.view().nearest_free(Vector3(1, 1, 1)).has_value());
   EXPECT_EQ(blob.view().covered_volume({{0, 0, 0}, {5, 5, 5}}), 0U);
+}
+
+TEST(BoxGraphView, LandmarkDistancesAreThoseOfTheWindowWhicheverSideAsks) {
+  // Three cells in a row: windows at x = 2 and x = 3.
+  TestBlob blob({4, 2, 1}, {{{0, 0, 0}, {2, 2, 1}}, {{2, 0, 0}, {3, 2, 1}}, {{3, 0, 0}, {4, 2, 1}}});
+  EXPECT_FALSE(blob.view().has_landmarks(0));
+  blob.set_landmarks(2);
+  ASSERT_EQ(status_of(blob), Status::kOk);
+  const BoxGraphView graph = blob.view();
+  ASSERT_TRUE(graph.has_landmarks(0));
+  EXPECT_FALSE(graph.has_landmarks(1));
+  for (const bool swapped : {false, true}) {
+    const CellIndex middle{1};
+    const CellIndex first{0};
+    const CellIndex last{2};
+    const auto near = swapped ? graph.landmarks(middle, first) : graph.landmarks(first, middle);
+    const auto far = swapped ? graph.landmarks(last, middle) : graph.landmarks(middle, last);
+    EXPECT_EQ(near[0], 0);
+    EXPECT_EQ(near[1], 256);  // one unit, the shift being eight
+    EXPECT_EQ(far[0], 256);
+    EXPECT_EQ(far[1], 0);
+  }
 }
 
 TEST(BoxGraphView, RefusesEveryTruncation) {
@@ -167,7 +189,10 @@ TEST(BoxGraphView, RefusesAHeaderThatContradictsItselfUnderARightChecksum) {
   expect_inconsistent([](TestBlob& b) { b.header().radius = std::numeric_limits<double>::quiet_NaN(); });
   expect_inconsistent([](TestBlob& b) { b.header().unknown_policy = 3; });
   expect_inconsistent([](TestBlob& b) { b.header().unit_shift = 9; });
-  expect_inconsistent([](TestBlob& b) { b.header().reserved = 1; });
+  expect_inconsistent([](TestBlob& b) { b.header().landmark_count = 33; });
+  expect_inconsistent([](TestBlob& b) { b.header().landmark_count = 1; });  // without a shift, and without distances
+  expect_inconsistent([](TestBlob& b) { b.header().landmark_shift = 1; });  // without landmarks
+  expect_inconsistent([](TestBlob& b) { b.header().search_points = 2; });
   expect_inconsistent([](TestBlob& b) { b.header().size[1] = 0; });
   expect_inconsistent([](TestBlob& b) { b.header().size[1] = 65'536; });
   expect_inconsistent([](TestBlob& b) { b.header().cell_count = 5; });

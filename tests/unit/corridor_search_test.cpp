@@ -180,6 +180,39 @@ TEST(CorridorSearch, AWeightNeverCostsMoreThanItself) {
     EXPECT_LE(cost(weight), weight * cost(1) + Real(kTolerance));
 }
 
+TEST(CorridorSearch, LandmarksKeepTheCostAndExpandLess) {
+  TestBlob blob = ring();
+  const Found plain = find(blob.view(), {1, 3, 1}, {7, 3, 1}, SearchMode::kPlain);
+  EXPECT_EQ(find(blob.view(), {1, 3, 1}, {7, 3, 1}, SearchMode::kLandmarks).report.expanded, plain.report.expanded);
+  blob.set_landmarks(4);
+  const Found found = find(blob.view(), {1, 3, 1}, {7, 3, 1}, SearchMode::kLandmarks);
+  ASSERT_EQ(found.status, Status::kOk);
+  EXPECT_NEAR(found.report.cost, plain.report.cost, kTolerance);
+  EXPECT_LT(found.report.expanded, plain.report.expanded);
+}
+
+TEST(CorridorSearch, TheMapSaysWhereTheDefaultSeesWindows) {
+  TestBlob blob({4, 3, 2}, {IntBox{{0, 0, 0}, {2, 3, 2}}, IntBox{{2, 0, 0}, {4, 3, 2}}});
+  const Vector3 start{1, Real(0.5), 1};
+  const Vector3 goal{3, Real(0.5), 1};
+  blob.set_search_points(swiftlet::SearchPoints::kCentres);
+  EXPECT_NEAR(find(blob.view(), start, goal, SearchMode::kDefault).report.cost, 2, kTolerance);  // no landmarks
+  blob.set_landmarks(1);
+  EXPECT_NEAR(find(blob.view(), start, goal, SearchMode::kDefault).report.cost, 2 * std::sqrt(2.0), kTolerance);
+}
+
+TEST(CorridorSearch, LandmarkDistancesThatLieCostLengthButNeverTheEnd) {
+  SearchMemory<64> memory;
+  for (const std::uint16_t lie : {std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{0xFFFE}, swiftlet::kNoDistance}) {
+    TestBlob blob = ring();
+    blob.set_landmarks(4);
+    blob.set_every_second_distance(lie);
+    const Found found = find(blob.view(), {1, 3, 1}, {7, 1, 1}, {.mode = SearchMode::kLandmarks}, memory.scratch());
+    ASSERT_EQ(found.status, Status::kOk);
+    EXPECT_LE(found.report.expanded, 64);
+  }
+}
+
 TEST(CorridorSearch, StartAndGoalOnWindowsAreFine) {
   TestBlob blob = ring();
   const Found found = find(blob.view(), {4, 1, 1}, {6, 1, 1}, SearchMode::kPlain);

@@ -1,10 +1,12 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <optional>
 #include <span>
 
 #include "swiftlet/box_graph_format.hpp"
@@ -17,7 +19,7 @@ namespace swiftlet::test {
 class TestBlob {
  public:
   static constexpr std::size_t kMaxCells = 32;
-  static constexpr std::size_t kMaxBytes = 8192;
+  static constexpr std::size_t kMaxBytes = 12288;
 
   TestBlob(std::array<std::uint32_t, 3> size, std::initializer_list<IntBox> cells, double resolution = 1)
       : TestBlob(size, std::span(cells.begin(), cells.size()), resolution) {}
@@ -42,6 +44,21 @@ class TestBlob {
   /// For tests of the validation: claims or denies a window, in this direction alone.
   void set_adjacent(std::size_t from, std::size_t to, bool adjacent) {
     adjacent_[from][to] = adjacent;
+    write();
+  }
+  /// Gives the windows of component 0 their distances from `count` of them, chosen evenly.
+  void set_landmarks(std::uint32_t count) {
+    header_.landmark_count = count;
+    header_.landmark_shift = count > 0 ? 8 : 0;
+    write();
+  }
+  /// For tests of the search: overwrites the landmark distances of every second window.
+  void set_every_second_distance(std::uint16_t distance) {
+    lie_ = distance;
+    write();
+  }
+  void set_search_points(SearchPoints points) {
+    header_.search_points = static_cast<std::uint32_t>(points);
     write();
   }
   void set_origin(const std::array<double, 3>& origin) {
@@ -84,6 +101,64 @@ class TestBlob {
     records_[record_bytes_++] = static_cast<std::byte>(value);
   }
 
+  struct Window {
+    std::size_t a, b;
+    std::array<double, 3> centre;
+    double distance;
+  };
+
+  /// The windows of component 0 by (a, b), a < b. Returns how many.
+  std::size_t list_windows(const std::array<std::uint16_t, kMaxCells>& labels, std::span<Window> windows) const {
+    std::size_t count = 0;
+    for (std::size_t a = 0; a < header_.cell_count; ++a) {
+      for (std::size_t b = a + 1; b < header_.cell_count; ++b) {
+        if (!adjacent_[a][b] || labels[a] != 0) continue;
+        const IntBox box = intersection(cells_[a], cells_[b]);
+        windows[count++] = {
+            a, b, {(box.lo[0] + box.hi[0]) / 2.0, (box.lo[1] + box.hi[1]) / 2.0, (box.lo[2] + box.hi[2]) / 2.0}, 0};
+      }
+    }
+    return count;
+  }
+
+  /// Distances over window centres from one window, relaxed until nothing changes.
+  static void spread_from(std::size_t source, std::span<Window> windows) {
+    for (Window& window : windows) window.distance = 1e9;
+    windows[source].distance = 0;
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const Window& from : windows) {
+        for (Window& to : windows) {
+          if (from.a != to.a && from.a != to.b && from.b != to.a && from.b != to.b) continue;
+          double squared = 0;
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            squared += (from.centre[axis] - to.centre[axis]) * (from.centre[axis] - to.centre[axis]);
+          }
+          const double through = from.distance + std::sqrt(squared);
+          if (through >= to.distance) continue;
+          to.distance = through;
+          changed = true;
+        }
+      }
+    }
+  }
+
+  /// Rows for the records, in the order of the windows.
+  void find_landmark_distances(const std::array<std::uint16_t, kMaxCells>& labels) {
+    const std::uint32_t landmarks = header_.landmark_count;
+    const std::size_t count = list_windows(labels, windows_);
+    const std::span<Window> windows = std::span(windows_).first(count);
+    for (std::uint32_t k = 0; k < landmarks && count > 0; ++k) {
+      spread_from(k * count / landmarks, windows);
+      for (std::size_t i = 0; i < count; ++i) {
+        landmark_distances_[landmarks * i + k] =
+            lie_ && i % 2 == 1
+                ? *lie_
+                : static_cast<std::uint16_t>(std::lround(windows[i].distance * (1U << header_.landmark_shift)));
+      }
+    }
+  }
+
   void find_neighbours() {
     for (std::size_t i = 0; i < header_.cell_count; ++i) {
       for (std::size_t j = 0; j < header_.cell_count; ++j) {
@@ -97,12 +172,27 @@ class TestBlob {
     std::array<std::uint32_t, kMaxCells> offsets{};
     std::array<std::uint16_t, kMaxCells> labels{};
     std::uint32_t entries = 0;
+    for (std::size_t i = 0; i < count; ++i) labels[i] = static_cast<std::uint16_t>(i);
+    for (std::size_t round = 0; round < count; ++round) {
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t j = 0; j < count; ++j) {
+          if (adjacent_[i][j]) labels[i] = std::min(labels[i], labels[j]);
+        }
+      }
+    }
+    std::uint16_t components = 0;
+    for (std::size_t i = 0; i < count; ++i) {  // so far the label is the component's first cell
+      labels[i] = labels[i] == i ? components++ : labels[labels[i]];
+    }
+    find_landmark_distances(labels);
+    std::size_t landmark_numbers = 0;
     record_bytes_ = 0;
     for (std::size_t i = 0; i < count; ++i) {
       offsets[i] = static_cast<std::uint32_t>(record_bytes_);
-      labels[i] = static_cast<std::uint16_t>(i);
       std::uint32_t degree = 0;
+      std::uint32_t higher = 0;
       for (std::size_t j = 0; j < count; ++j) degree += adjacent_[i][j] ? 1U : 0U;
+      for (std::size_t j = i + 1; j < count; ++j) higher += adjacent_[i][j] ? 1U : 0U;
       entries += degree;
       put_number(degree);
       std::size_t previous = kMaxCells;
@@ -118,18 +208,12 @@ class TestBlob {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         put_number(static_cast<std::uint32_t>(extents_[i].hi[axis] - cells_[i].hi[axis]));
       }
-    }
-    for (std::size_t round = 0; round < count; ++round) {
-      for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t j = 0; j < count; ++j) {
-          if (adjacent_[i][j]) labels[i] = std::min(labels[i], labels[j]);
-        }
+      if (labels[i] != 0) continue;
+      for (std::uint32_t n = 0; n < higher * header_.landmark_count; ++n) {
+        const std::uint16_t distance = landmark_distances_[landmark_numbers++];
+        records_[record_bytes_++] = static_cast<std::byte>(distance & 0xFFU);
+        records_[record_bytes_++] = static_cast<std::byte>(distance >> 8U);
       }
-    }
-
-    std::uint16_t components = 0;
-    for (std::size_t i = 0; i < count; ++i) {  // so far the label is the component's first cell
-      labels[i] = labels[i] == i ? components++ : labels[labels[i]];
     }
 
     const std::size_t leaves = (count + kCellsPerIndexLeaf - 1) / kCellsPerIndexLeaf;
@@ -172,10 +256,15 @@ class TestBlob {
   }
 
   BlobHeader header_{};
+  std::optional<std::uint16_t> lie_;
   std::array<IntBox, kMaxCells> cells_{};
   std::array<IntBox, kMaxCells> extents_{};
   std::array<std::array<bool, kMaxCells>, kMaxCells> adjacent_{};
-  std::array<std::byte, 4096> records_{};  // at most 2 bytes a neighbour and 3 a growth here
+  static constexpr std::size_t kMaxWindows = kMaxCells * (kMaxCells - 1) / 2;
+  static constexpr std::size_t kMaxLandmarks = 4;
+  std::array<Window, kMaxWindows> windows_{};
+  std::array<std::uint16_t, kMaxLandmarks * kMaxWindows> landmark_distances_{};
+  std::array<std::byte, 6144> records_{};  // at most 2 bytes a neighbour and 3 a growth here
   std::size_t record_bytes_ = 0;
   alignas(8) std::array<std::byte, kMaxBytes> bytes_{};
 };

@@ -9,8 +9,14 @@ namespace swiftlet {
 /// byte. Included by the writer (offline_tools/map) and the reader (BoxGraphView), so the layout exists once.
 inline constexpr std::array<char, 8> kBlobMagic{'S', 'W', 'I', 'F', 'T', 'M', 'A', 'P'};
 inline constexpr std::uint32_t kBlobByteOrderMark = 0x01020304;
-inline constexpr std::uint32_t kBlobVersion = 1;
+inline constexpr std::uint32_t kBlobVersion = 2;
 inline constexpr std::size_t kCellsPerIndexLeaf = 8;
+
+/// A landmark distance that says nothing.
+inline constexpr std::uint16_t kNoDistance = 0xFFFF;
+
+/// Where the default search sees a window (SearchMode); the builder measures which serves the map better.
+enum class SearchPoints : std::uint32_t { kLine = 0, kCentres = 1 };
 
 /// What the builder did with space that was never observed (contract.md).
 enum class UnknownPolicy : std::uint32_t { kAvoid = 0, kOccupied = 1, kFree = 2 };
@@ -21,7 +27,9 @@ enum class BlobSection : std::uint32_t {
                    ///< gaps
   kRecords,        ///< bytes, one record a cell: its neighbours and its extent, all numbers in LEB128 (7 bits a byte):
              ///< neighbour count n; when n > 0 the first neighbour minus the cell, zigzag-coded; n - 1 times the step
-             ///< to the next neighbour minus one; six growths [unit] from cell to extent: below x, y, z, above x, y, z
+             ///< to the next neighbour minus one; six growths [unit] from cell to extent: below x, y, z, above x, y, z.
+             ///< In component 0 follow landmark_count u16 for each neighbour of a higher index, in order: distances
+             ///< [unit / 2^landmark_shift] of their window from the landmarks over window centres, to the nearest
   kComponents,  ///< u16 x cell_count: component label
   kIndex,       ///< BlobBox x index_node_count: bounds, a binary tree in heap order (children 2i + 1 and 2i + 2);
                 ///< node i >= L - 1 is a leaf and holds the kCellsPerIndexLeaf cells from (i - (L - 1)) * 8 on
@@ -57,7 +65,9 @@ struct BlobHeader {
   std::uint32_t neighbour_count;   ///< directed: twice the number of windows
   std::uint32_t index_node_count;  ///< 2 L - 1 with L = ceil(cell_count / kCellsPerIndexLeaf); 0 without cells
   std::uint32_t component_count;
-  std::uint32_t reserved;  ///< zero
+  std::uint32_t landmark_count;  ///< distances stored with each window of component 0, at most 32
+  std::uint32_t landmark_shift;  ///< 1 to 16; 0 without landmarks
+  std::uint32_t search_points;   ///< SearchPoints
   /// [unit^3] Known free space that the inflation blocks; space that policy `free` would leave free and this one does
   /// not; space dropped by coarsening. For reports.
   std::uint64_t lost_to_inflation;
@@ -68,6 +78,6 @@ struct BlobHeader {
 };
 
 static_assert(sizeof(BlobBox) == 12 && alignof(BlobBox) == 2);
-static_assert(sizeof(BlobHeader) == 208 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
+static_assert(sizeof(BlobHeader) == 216 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
 
 }  // namespace swiftlet

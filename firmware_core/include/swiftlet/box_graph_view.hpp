@@ -35,6 +35,8 @@ class NeighbourRange {
       ++*this;
       return before;
     }
+    /// How many neighbours are left, this one included.
+    [[nodiscard]] std::uint32_t remaining() const { return remaining_; }
     /// Iterators of the same range are equal when as many neighbours remain.
     friend bool operator==(const Iterator& a, const Iterator& b) { return a.remaining_ == b.remaining_; }
 
@@ -53,6 +55,21 @@ class NeighbourRange {
 
  private:
   Iterator begin_;
+};
+
+/// The stored distances of one window from the landmarks of its component, over window centres; kNoDistance says
+/// nothing. Lives as long as the blob.
+class LandmarkRow {
+ public:
+  explicit LandmarkRow(const std::byte* first) : first_(first) {}
+  /// Distance [unit / 2^landmark_shift] from landmark k, to the nearest.
+  std::uint16_t operator[](std::size_t k) const {
+    return static_cast<std::uint16_t>(std::to_integer<unsigned>(first_[2 * k]) |
+                                      std::to_integer<unsigned>(first_[2 * k + 1]) << 8U);
+  }
+
+ private:
+  const std::byte* first_;
 };
 
 /// Read-only view of a map blob (docs/map_format.md), read in place: flash, mmap or any 8-byte aligned memory that
@@ -82,6 +99,18 @@ class BoxGraphView {
   [[nodiscard]] NeighbourRange neighbours(CellIndex cell) const { return {cell, record(cell)}; }
   /// Label of the connected component of free space; two cells with different labels are not connected.
   [[nodiscard]] std::uint16_t component(CellIndex cell) const;
+
+  /// True when the windows of this component carry landmark distances: those of the largest one do.
+  [[nodiscard]] bool has_landmarks(std::uint16_t component) const {
+    return component == 0 && header_->landmark_count > 0;
+  }
+  /// The landmark distances of the window from `cell` to the neighbour that `at` stands on, of a higher index. For
+  /// components that have landmarks only.
+  [[nodiscard]] LandmarkRow landmarks(CellIndex cell, const NeighbourRange::Iterator& at) const {
+    return LandmarkRow(record_end(cell) - 2 * std::size_t{header_->landmark_count} * at.remaining());
+  }
+  /// The same for two neighbouring cells in either order. Cost O(number of neighbours).
+  [[nodiscard]] LandmarkRow landmarks(CellIndex a, CellIndex b) const;
 
   /// The occupied voxels, packed for the offline tools (docs/map_format.md); opaque here.
   [[nodiscard]] std::span<const std::byte> obstacles() const;
@@ -113,6 +142,7 @@ class BoxGraphView {
     return static_cast<Real>(header_->origin[axis] + unit_ * i);
   }
   [[nodiscard]] const std::byte* record(CellIndex cell) const;
+  [[nodiscard]] const std::byte* record_end(CellIndex cell) const;
   template <typename T>
   [[nodiscard]] std::span<const T> section(BlobSection section) const;
   [[nodiscard]] bool cells_consistent() const;

@@ -11,8 +11,9 @@ namespace swiftlet {
 
 /// Which graph the search runs on.
 enum class SearchMode : std::uint8_t {
-  kDefault,    ///< each window stands for its point nearest to the straight line from start to goal
-  kLandmarks,  ///< the paper's graph, same cost as kPlain; maps carry no landmarks yet, so it is kPlain
+  kDefault,    ///< kLandmarks where the map says that window centres serve it well and has landmarks for the start's
+               ///< component; else a window stands for its point nearest to the straight line from start to goal
+  kLandmarks,  ///< the paper's graph, same cost as kPlain, with the map's landmark distances as a further bound
   kPlain,      ///< the paper's graph, edge cost and heuristic (Sec. III-B, eq. 2): a window stands for its centre
 };
 
@@ -44,7 +45,7 @@ struct SearchScratch {
 };
 
 struct SearchReport {
-  std::uint32_t expanded = 0;  ///< windows taken from the open list
+  std::uint32_t expanded = 0;  ///< windows taken from the open list, again ones counted again
   std::uint32_t reached = 0;   ///< windows put into the node table
   Real cost = 0;               ///< [m] of the path found, on the mode's own graph
 };
@@ -54,8 +55,10 @@ struct SearchReport {
 ///   start, goal   [m] frame W, inside the closed cells start_cell and goal_cell
 ///   path          receives start_cell ... goal_cell, consecutive cells sharing a window; path_length elements
 /// Optimal on the mode's graph for weight 1, to the rounding of float costs (1e-6 of the cost); ties break by index, so
-/// every machine returns the same path. Each window is expanded at most once. The time follows the windows reached, not
-/// the capacity.
+/// every machine returns the same path. Each node is expanded at most once, so a hostile map cannot hold the search up.
+/// Landmark distances are rounded, so their bound may drop by a step from one window to the next, and a window may be
+/// reached at less cost after it was expanded: then it takes a second node (seen: one window in five hundred). The time
+/// follows the windows reached, not the capacity.
 /// Errors: kNoPath, kSearchCapacity (node table full), kCorridorCapacity (`path` too short), kBadRequest (weight out of
 /// range).
 Status find_cell_path(const BoxGraphView& graph, CellIndex start_cell, const Vector3& start, CellIndex goal_cell,
