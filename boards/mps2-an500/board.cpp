@@ -3,8 +3,11 @@
 #include <cstdint>
 #include <cstring>
 
+#include "devices.hpp"
 #include "semihosting.hpp"
 #include "swiftlet/assert.hpp"
+#include "swiftlet/hal/cmsdk_clock.hpp"
+#include "swiftlet/hal/cmsdk_uart.hpp"
 #include "swiftlet/hal/uart_console.hpp"
 
 extern "C" const std::byte map_region_begin[];  // linker.ld
@@ -13,7 +16,16 @@ extern "C" const std::byte map_region_end[];
 namespace swiftlet::board {
 namespace {
 
+constexpr std::uintptr_t kTimer0 = 0x40000000;
 constexpr std::uintptr_t kUart0 = 0x40004000;
+constexpr std::uintptr_t kUart1 = 0x40005000;
+constexpr std::uint32_t kPeripheralHz = 25'000'000;
+constexpr std::uint32_t kUart1Lines = 0b1100;  // interrupt 2 receives, 3 transmits
+
+hal::CmsdkUart& uart1() {
+  static hal::CmsdkUart uart(kUart1, kPeripheralHz, 921'600);
+  return uart;
+}
 
 }  // namespace
 
@@ -24,7 +36,22 @@ hal::Console& console() {
 
 std::span<const std::byte> map_region(const char* /*path*/) { return {map_region_begin, map_region_end}; }
 
+hal::Clock& clock() {
+  static hal::CmsdkClock timer(kTimer0, kPeripheralHz);
+  return timer;
+}
+
+hal::Uart& autopilot_uart() {
+  hal::CmsdkUart& uart = uart1();
+  auto* const enable_interrupts = reinterpret_cast<volatile std::uint32_t*>(0xE000E100);  // NVIC_ISER0
+  *enable_interrupts = kUart1Lines;
+  return uart;
+}
+
 }  // namespace swiftlet::board
+
+extern "C" void uart1_receive_handler() { swiftlet::board::uart1().on_receive_interrupt(); }
+extern "C" void uart1_transmit_handler() { swiftlet::board::uart1().on_transmit_interrupt(); }
 
 extern "C" [[noreturn]] void swiftlet_assert_failed(const char* what, const char* file, int /*line*/) {
   for (const char* text : {file, ": broken promise: ", what, "\n"}) {

@@ -18,6 +18,9 @@ extern void (*const init_array_begin[])();
 extern void (*const init_array_end[])();
 
 [[noreturn]] void reset_handler();
+// board.cpp
+void uart1_receive_handler();
+void uart1_transmit_handler();
 }
 
 int main(int argc, char** argv);
@@ -88,14 +91,16 @@ extern "C" [[noreturn]] void report_fault(const std::uint32_t* frame) {
 
 struct VectorTable {
   std::uint32_t* initial_stack;
-  std::array<void (*)(), 15> handlers;
+  std::array<void (*)(), 15> exceptions;
+  std::array<void (*)(), 4> interrupts;
 };
 
-/// Reset, then every exception of the core; no interrupt is ever enabled.
+/// Reset, then every exception of the core, then the interrupts that the board enables.
 [[gnu::section(".vectors"), gnu::used]] const VectorTable kVectors{
     stack_end,
     {reset_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, nullptr, nullptr,
-     nullptr, nullptr, fault_handler, fault_handler, nullptr, fault_handler, fault_handler}};
+     nullptr, nullptr, fault_handler, fault_handler, nullptr, fault_handler, fault_handler},
+    {fault_handler, fault_handler, uart1_receive_handler, uart1_transmit_handler}};
 
 }  // namespace
 
