@@ -8,7 +8,7 @@ jobs=$(nproc)
 program=build/host-release/offline_tools/cli/swiftlet
 
 host_packages=(g++ cmake ninja-build libeigen3-dev liboctomap-dev libcli11-dev nlohmann-json3-dev libexpected-dev
-  libssl-dev libbenchmark-dev googletest ca-certificates python3)
+  libssl-dev libbenchmark-dev googletest ca-certificates python3 python3-venv)
 cross_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib g++-aarch64-linux-gnu
   qemu-system-arm qemu-user clang-format-14 clang-tidy-14)
 

@@ -1,6 +1,6 @@
 # Tests are named <preset>.<name>, the preset being the name of the build folder.
 #
-# swiftlet_core_test(NAME SOURCES...): tests of core and hal that run on every machine. Hosted boards get one GoogleTest
+# swiftlet_core_test(NAME SOURCES... [LIBS ...]): tests of core and hal that run on every machine. Hosted boards get one GoogleTest
 #   program each, a bare board one image of them all, `core_tests`.
 # swiftlet_host_test(NAME SOURCES... [LIBS ...]): GoogleTest on hosted boards.
 # swiftlet_test_definitions(TARGET): include paths, definitions and warnings of a test program.
@@ -33,7 +33,9 @@ if(CMAKE_SYSTEM_NAME STREQUAL Generic)
   swiftlet_add_test(core_tests core_tests)
 
   function(swiftlet_core_test name)
-    target_sources(core_tests PRIVATE ${ARGN})
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" LIBS)
+    target_sources(core_tests PRIVATE ${arg_UNPARSED_ARGUMENTS})
+    target_link_libraries(core_tests PRIVATE ${arg_LIBS})
   endfunction()
 else()
   find_path(SWIFTLET_GOOGLETEST CMakeLists.txt PATHS /usr/src/googletest NO_CMAKE_FIND_ROOT_PATH REQUIRED)
