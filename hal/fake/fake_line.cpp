@@ -17,7 +17,7 @@ std::size_t FakeLine::Direction::write(std::chrono::microseconds now, std::span<
     std::byte byte = sent[i];
     if (random_ppm() < faults.corrupt_ppm) byte ^= static_cast<std::byte>(1U << (random_ppm() % 8U));
     bytes[written % kCapacity] = byte;
-    readable_at[written % kCapacity] = now + faults.delay;
+    readable_at[written % kCapacity] = static_cast<std::uint32_t>((now + faults.delay).count());
     ++written;
     if (faults.cut_after_bytes > 0 && --faults.cut_after_bytes == 0) faults.cut = true;
   }
@@ -33,7 +33,10 @@ std::size_t FakeLine::Direction::read(std::chrono::microseconds now, std::span<s
 
 void FakeLine::Direction::deliver(std::chrono::microseconds now) {
   if (now < faults.stalled_until) return;
-  while (delivered < written && readable_at[delivered % kCapacity] <= now) ++delivered;
+  const auto passed = [this, now] {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(now.count()) - readable_at[delivered % kCapacity]) >= 0;
+  };
+  while (delivered < written && passed()) ++delivered;
   if (faults.receive_buffer == 0 || delivered - taken <= faults.receive_buffer) return;
   // The receiver keeps what came first: close the gap that the lost bytes leave.
   const std::size_t kept = taken + faults.receive_buffer;

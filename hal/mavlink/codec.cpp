@@ -99,7 +99,7 @@ Codec::Verdict Codec::judge(std::size_t frame_bytes, Frame& frame) {
   const std::optional<std::uint8_t> layout = layout_byte(frame.id);
   if (!layout.has_value()) {
     ++counters_.unknown;
-    return Verdict::kSkip;
+    return Verdict::kDamaged;  // its length may be wrong as well
   }
   const std::size_t checked = kHeader + payload_bytes;
   if (little_endian(bytes.subspan(checked, kChecksum)) != frame_checksum(bytes.subspan(1, checked - 1), *layout)) {

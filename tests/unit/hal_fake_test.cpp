@@ -70,13 +70,13 @@ TEST(FakeLine, OverrunsKeepTheFirstBytesAndAreCounted) {
 TEST(FakeLine, AFullDeviceTakesNoMoreThanItHolds) {
   static FakeLine line(the_clock, 5);
   static std::array<std::byte, 10000> many{};
-  EXPECT_EQ(line.end_a().write(many), 8192);
+  EXPECT_EQ(line.end_a().write(many), 4096);
   EXPECT_EQ(line.end_a().write(many), 0);
 }
 
-/// Sends 8000 zero bytes over a line that drops 10 % and corrupts 10 %; a sum that depends on every fault.
+/// Sends 4000 zero bytes over a line that drops 10 % and corrupts 10 %; a sum that depends on every fault.
 std::uint64_t fault_digest(FakeLine& line, std::size_t& arrived, std::size_t& damaged) {
-  static std::array<std::byte, 8000> bytes;
+  static std::array<std::byte, 4000> bytes;
   bytes.fill(std::byte{0});
   line.a_to_b().drop_ppm = 100'000;
   line.a_to_b().corrupt_ppm = 100'000;
@@ -98,8 +98,8 @@ TEST(FakeLine, FaultsComeAtTheirRateAndAreTheSameForTheSameSeed) {
   std::size_t arrived = 0;
   std::size_t damaged = 0;
   const std::uint64_t digest = fault_digest(line, arrived, damaged);
-  EXPECT_NEAR(static_cast<double>(arrived), 7200, 100);
-  EXPECT_NEAR(static_cast<double>(damaged), 720, 100);
+  EXPECT_NEAR(static_cast<double>(arrived), 3600, 80);
+  EXPECT_NEAR(static_cast<double>(damaged), 360, 80);
   EXPECT_EQ(digest, fault_digest(same, arrived, damaged));
   EXPECT_NE(digest, fault_digest(other, arrived, damaged));
 }

@@ -99,14 +99,14 @@ TEST(MavlinkCodec, TakesAFrameByteByByteAndAfterHalfAFrame) {
   EXPECT_EQ(frames, 1);
 }
 
-TEST(MavlinkCodec, CountsWhatItCannotCheckAndSkipsItWhole) {
+TEST(MavlinkCodec, CountsWhatItCannotCheck) {
   Codec codec({1, 1});
   std::array<std::byte, 21> bytes{};
   std::ranges::copy(std::as_bytes(std::span(kHeartbeatBytes)), bytes.begin());
   bytes[8] = std::byte{0xEA};  // message 59904
   EXPECT_EQ(count_frames(codec, bytes), 0);
   EXPECT_EQ(codec.counters().unknown, 1);
-  EXPECT_EQ(codec.counters().skipped_bytes, 0);
+  EXPECT_EQ(codec.counters().bad_checksum, 0);
   EXPECT_EQ(count_frames(codec, std::as_bytes(std::span(kHeartbeatBytes))), 1);
 }
 
@@ -119,9 +119,8 @@ TEST(MavlinkCodec, RefusesFlagsThatItDoesNotKnow) {
   EXPECT_EQ(codec.counters().skipped_bytes, 21);
 }
 
-/// A stream of mixed messages with 1 % of its bytes damaged: every frame without a damaged byte arrives, but for the
-/// rare one whose start lies in a damaged frame of a message that seems not to be in the dialect.
-TEST(MavlinkCodec, LosesAlmostOnlyTheFramesThatAreDamaged) {
+/// A stream of mixed messages with 1 % of its bytes damaged: every frame without a damaged byte arrives.
+TEST(MavlinkCodec, LosesOnlyTheFramesThatAreDamaged) {
   Codec sender({1, 1});
   Codec receiver(kCompanion);
   std::uint32_t random = 12345;
@@ -147,7 +146,7 @@ TEST(MavlinkCodec, LosesAlmostOnlyTheFramesThatAreDamaged) {
   EXPECT_GT(whole, 1200);
   EXPECT_LT(whole, 1700);
   EXPECT_LE(received, whole);
-  EXPECT_GE(received, whole - whole / 50);
+  EXPECT_GE(received, whole - 6);  // those that still wait behind a candidate when the stream ends
 }
 
 TEST(MavlinkSigning, WritesAndChecksTheSignatureOfAnotherImplementation) {

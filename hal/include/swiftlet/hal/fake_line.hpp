@@ -31,7 +31,7 @@ class FakeLine {
 
  private:
   struct Direction {
-    static constexpr std::size_t kCapacity = 8192;  // what the writer's device holds
+    static constexpr std::size_t kCapacity = 4096;  // what the writer's device holds, as a terminal of Linux
 
     std::size_t write(std::chrono::microseconds now, std::span<const std::byte> bytes);
     std::size_t read(std::chrono::microseconds now, std::span<std::byte> into);
@@ -41,10 +41,10 @@ class FakeLine {
     LineFaults faults;
     std::uint64_t random_state = 0;
     std::array<std::byte, kCapacity> bytes{};
-    std::array<std::chrono::microseconds, kCapacity> readable_at{};
-    std::size_t written = 0;    // bytes ever put in
-    std::size_t delivered = 0;  // bytes that reached the receiver, read or not
-    std::size_t taken = 0;      // bytes ever read
+    std::array<std::uint32_t, kCapacity> readable_at{};  // [us] modulo 2^32
+    std::size_t written = 0;                             // bytes ever put in
+    std::size_t delivered = 0;                           // bytes that reached the receiver, read or not
+    std::size_t taken = 0;                               // bytes ever read
     std::uint32_t overruns = 0;
   };
 

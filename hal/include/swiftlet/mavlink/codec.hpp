@@ -39,9 +39,9 @@ struct Signing {
 /// What became of the bytes received. Nothing is lost without being counted.
 struct CodecCounters {
   std::uint32_t frames = 0;         ///< Given out.
-  std::uint32_t skipped_bytes = 0;  ///< In no frame.
+  std::uint32_t skipped_bytes = 0;  ///< In no frame that could be checked.
   std::uint32_t bad_checksum = 0;   ///< Candidates for a frame that were none, or damaged.
-  std::uint32_t unknown = 0;        ///< Frames of a message that the dialect does not have: not checkable, skipped.
+  std::uint32_t unknown = 0;        ///< Candidates of a message that the dialect does not have: not to be checked.
   std::uint32_t bad_signature = 0;  ///< Signed with another key.
   std::uint32_t replayed = 0;       ///< Signed with our key, not newer than what came before it.
 };
@@ -60,7 +60,7 @@ class Codec {
   [[nodiscard]] std::uint64_t signing_time() const { return signing_.time; }
 
   /// Takes bytes off the front of `bytes` until a frame is complete; nothing when all were taken and none is. Bytes
-  /// of a damaged frame are looked through again for the frames that it may have swallowed.
+  /// of a frame that is damaged or unknown are looked through again for the frames that it may have swallowed.
   std::optional<Frame> receive(std::span<const std::byte>& bytes);
   [[nodiscard]] const CodecCounters& counters() const { return counters_; }
 

@@ -116,14 +116,14 @@ struct SystemStatus {
 
 struct ParameterRequest {
   static constexpr std::uint32_t kId = 20;
-  Address target;
+  Address target{};
   ParameterName name{};
   std::int16_t index = -1;  ///< -1: by name.
 };
 
 struct ParameterListRequest {
   static constexpr std::uint32_t kId = 21;
-  Address target;
+  Address target{};
 };
 
 struct ParameterValue {
@@ -137,7 +137,7 @@ struct ParameterValue {
 
 struct ParameterSet {
   static constexpr std::uint32_t kId = 23;
-  Address target;
+  Address target{};
   ParameterName name{};
   float value = 0;
   std::uint8_t type = kParameterReal32;
@@ -146,32 +146,31 @@ struct ParameterSet {
 struct AttitudeQuaternion {
   static constexpr std::uint32_t kId = 31;
   std::uint32_t time_boot_ms = 0;
-  NedQuaternion attitude;
-  FrdVector body_rates;  ///< [rad/s]
+  NedQuaternion attitude{};
+  FrdVector body_rates{};  ///< [rad/s]
 };
 
 struct LocalPositionNed {
   static constexpr std::uint32_t kId = 32;
   std::uint32_t time_boot_ms = 0;
-  NedVector position;  ///< [m]
-  NedVector velocity;  ///< [m/s]
+  NedVector position{};  ///< [m]
+  NedVector velocity{};  ///< [m/s]
 };
 
 struct CommandInt {
   static constexpr std::uint32_t kId = 75;
-  Address target;
+  Address target{};
   std::uint16_t command = 0;
   std::uint8_t frame = 0;
   std::array<float, 4> param{};
   std::int32_t x = 0;
   std::int32_t y = 0;
   float z = 0;
-  friend bool operator==(const CommandInt&, const CommandInt&) = default;
 };
 
 struct CommandLong {
   static constexpr std::uint32_t kId = 76;
-  Address target;
+  Address target{};
   std::uint16_t command = 0;
   std::uint8_t confirmation = 0;  ///< Counts transmissions of the same command.
   std::array<float, 7> param{};
@@ -181,31 +180,31 @@ struct CommandAck {
   static constexpr std::uint32_t kId = 77;
   std::uint16_t command = 0;
   CommandResult result = CommandResult::kAccepted;
-  Address target;
+  Address target{};
 };
 
 struct SetAttitudeTarget {
   static constexpr std::uint32_t kId = 82;
   std::uint32_t time_boot_ms = 0;
-  Address target;
+  Address target{};
   std::uint8_t type_mask = 0;
-  NedQuaternion attitude;
-  FrdVector body_rates;  ///< [rad/s]
-  float thrust = 0;      ///< Of the full collective thrust, 0 to 1.
+  NedQuaternion attitude{};
+  FrdVector body_rates{};  ///< [rad/s]
+  float thrust = 0;        ///< Of the full collective thrust, 0 to 1.
 };
 
 /// SET_POSITION_TARGET_LOCAL_NED.
 struct SetPositionTarget {
   static constexpr std::uint32_t kId = 84;
   std::uint32_t time_boot_ms = 0;
-  Address target;
+  Address target{};
   std::uint8_t frame = kFrameLocalNed;
   std::uint16_t type_mask = 0;
-  NedVector position;      ///< [m], in the message's frame, which need not be NED: see `frame`.
-  NedVector velocity;      ///< [m/s]
-  NedVector acceleration;  ///< [m/s^2]
-  float yaw = 0;           ///< [rad]
-  float yaw_rate = 0;      ///< [rad/s]
+  NedVector position{};      ///< [m], in the message's frame, which need not be NED: see `frame`.
+  NedVector velocity{};      ///< [m/s]
+  NedVector acceleration{};  ///< [m/s^2]
+  float yaw = 0;             ///< [rad]
+  float yaw_rate = 0;        ///< [rad/s]
 };
 
 /// POSITION_TARGET_LOCAL_NED: what the autopilot is following.
@@ -214,9 +213,9 @@ struct PositionTarget {
   std::uint32_t time_boot_ms = 0;
   std::uint8_t frame = kFrameLocalNed;
   std::uint16_t type_mask = 0;
-  NedVector position;
-  NedVector velocity;
-  NedVector acceleration;
+  NedVector position{};
+  NedVector velocity{};
+  NedVector acceleration{};
   float yaw = 0;
   float yaw_rate = 0;
 };
@@ -245,10 +244,10 @@ struct Odometry {
   std::uint64_t time_us = 0;
   std::uint8_t frame = kFrameLocalNed;
   std::uint8_t child_frame = kFrameBodyFrd;
-  NedVector position;  ///< [m]
-  NedQuaternion attitude;
+  NedVector position{};  ///< [m]
+  NedQuaternion attitude{};
   Vector3 velocity_child = Vector3::Zero();  ///< [m/s] in `child_frame`.
-  FrdVector body_rates;                      ///< [rad/s]
+  FrdVector body_rates{};                    ///< [rad/s]
   std::uint8_t reset_counter = 0;            ///< Counts jumps of the estimate.
 };
 
