@@ -33,11 +33,11 @@ Real yaw_of(const Quaternion& q) {
 }
 
 Alignment::Alignment(const Vector3& p_L, Real yaw_L, const Vector3& p_W, Real yaw_W)
-    : yaw_WL_(wrap_angle(yaw_W - yaw_L)),
-      q_WL_(std::cos(yaw_WL_ / 2), 0, 0, std::sin(yaw_WL_ / 2)),
-      cos_yaw_(std::cos(yaw_WL_)),
-      sin_yaw_(std::sin(yaw_WL_)) {
-  p_WL_ = p_W - vector_to_map(p_L);
+    : yaw_(wrap_angle(yaw_W - yaw_L)),
+      rotation_(std::cos(yaw_ / 2), 0, 0, std::sin(yaw_ / 2)),
+      cos_yaw_(std::cos(yaw_)),
+      sin_yaw_(std::sin(yaw_)) {
+  origin_ = p_W - vector_to_map(p_L);
 }
 
 Vector3 Alignment::vector_to_map(const Vector3& v_L) const {

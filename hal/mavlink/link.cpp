@@ -506,7 +506,7 @@ void Link::take(const SetPositionTarget& target, const Frame& frame) {
 }
 
 std::optional<Goal> Link::take_goal() {
-  const std::optional<Goal> goal = goal_;
+  std::optional<Goal> goal = goal_;
   goal_.reset();
   return goal;
 }

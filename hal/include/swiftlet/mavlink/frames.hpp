@@ -52,22 +52,22 @@ class Alignment {
   /// [rad].
   Alignment(const Vector3& p_L, Real yaw_L, const Vector3& p_W, Real yaw_W);
 
-  [[nodiscard]] const Vector3& offset() const { return p_WL_; }  ///< L's origin in W [m].
-  [[nodiscard]] Real yaw() const { return yaw_WL_; }             ///< [rad]
+  [[nodiscard]] const Vector3& offset() const { return origin_; }  ///< L's origin in W [m].
+  [[nodiscard]] Real yaw() const { return yaw_; }             ///< [rad]
 
-  [[nodiscard]] Vector3 point_to_map(const Vector3& p_L) const { return p_WL_ + vector_to_map(p_L); }
-  [[nodiscard]] Vector3 point_to_local(const Vector3& p_W) const { return vector_to_local(p_W - p_WL_); }
+  [[nodiscard]] Vector3 point_to_map(const Vector3& p_L) const { return origin_ + vector_to_map(p_L); }
+  [[nodiscard]] Vector3 point_to_local(const Vector3& p_W) const { return vector_to_local(p_W - origin_); }
   [[nodiscard]] Vector3 vector_to_map(const Vector3& v_L) const;
   [[nodiscard]] Vector3 vector_to_local(const Vector3& v_W) const;
-  [[nodiscard]] Quaternion attitude_to_map(const Quaternion& q_LB) const { return q_WL_ * q_LB; }
-  [[nodiscard]] Quaternion attitude_to_local(const Quaternion& q_WB) const { return q_WL_.conjugate() * q_WB; }
-  [[nodiscard]] Real yaw_to_map(Real yaw_L) const { return wrap_angle(yaw_L + yaw_WL_); }
-  [[nodiscard]] Real yaw_to_local(Real yaw_W) const { return wrap_angle(yaw_W - yaw_WL_); }
+  [[nodiscard]] Quaternion attitude_to_map(const Quaternion& q_LB) const { return rotation_ * q_LB; }
+  [[nodiscard]] Quaternion attitude_to_local(const Quaternion& q_WB) const { return rotation_.conjugate() * q_WB; }
+  [[nodiscard]] Real yaw_to_map(Real yaw_L) const { return wrap_angle(yaw_L + yaw_); }
+  [[nodiscard]] Real yaw_to_local(Real yaw_W) const { return wrap_angle(yaw_W - yaw_); }
 
  private:
-  Vector3 p_WL_ = Vector3::Zero();
-  Real yaw_WL_ = 0;
-  Quaternion q_WL_ = Quaternion::Identity();
+  Vector3 origin_ = Vector3::Zero();
+  Real yaw_ = 0;
+  Quaternion rotation_ = Quaternion::Identity();
   Real cos_yaw_ = 1;
   Real sin_yaw_ = 0;
 };
