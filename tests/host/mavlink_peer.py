@@ -296,7 +296,25 @@ def check_signing():
     check("none of it was lost", talk.end() == [0, 1, 1, 0])
 
 
+# ---- What docs/link.md says about load: messages a second, without the streams that PX4 sends besides.
+FROM_AUTOPILOT = {"local_position_ned": 50, "attitude_quaternion": 100, "current_mode": 10, "extended_sys_state": 5,
+                  "sys_status": 2, "heartbeat": 1, "timesync": 10 + 5}
+TO_AUTOPILOT = {"set_attitude_target": 100, "heartbeat": 1, "timesync": 10 + 5}
+EXTENSIONS = {"attitude_quaternion": 16, "sys_status": 12}  # zero, so not sent
+
+
+def print_budget():
+    for direction, rates in (("from", FROM_AUTOPILOT), ("to", TO_AUTOPILOT)):
+        total = 0
+        for name, rate in rates.items():
+            size = 12 + message_class(name).unpacker.size - EXTENSIONS.get(name, 0)
+            total += size * rate
+            print(f"{direction} the autopilot: {name.upper():24} {size:3} B x {rate:3}/s = {size * rate:5} B/s")
+        print(f"{direction} the autopilot: {total} B/s, {100 * total / 92160:.1f} % of 921600 baud")
+
+
 check_every_message()
 check_conversation()
 check_signing()
+print_budget()
 print(f"{CHECKS} passed, 0 failed")
