@@ -153,10 +153,10 @@ void Autopilot::set_disarmed(const char* why) {
   say(6, why);
 }
 
-SystemStatus Autopilot::system_status() const {
-  if (failsafe_) return SystemStatus::kFailsafe;
-  if (armed_) return SystemStatus::kArmed;
-  return prearm_ok_ ? SystemStatus::kReady : SystemStatus::kNotReady;
+VehicleStatus Autopilot::system_status() const {
+  if (failsafe_) return VehicleStatus::kFailsafe;
+  if (armed_) return VehicleStatus::kArmed;
+  return prearm_ok_ ? VehicleStatus::kReady : VehicleStatus::kNotReady;
 }
 
 void Autopilot::enter(FlightMode mode) {

@@ -20,10 +20,10 @@ const char* describe(FlightMode mode);  ///< "OFFBOARD", "AUTO.LAND"
 enum class Verdict : std::uint8_t { kAccepted = 0, kTemporarilyRejected = 1, kDenied = 2, kUnsupported = 3 };
 
 /// MAV_STATE, as far as PX4 uses it.
-enum class SystemStatus : std::uint8_t { kNotReady = 0, kReady = 3, kArmed = 4, kFailsafe = 5 };
+enum class VehicleStatus : std::uint8_t { kNotReady = 0, kReady = 3, kArmed = 4, kFailsafe = 5 };
 
 /// A text for people; PX4 sends it to ground stations alone.
-struct StatusText {
+struct Announcement {
   std::uint8_t severity;  ///< MAV_SEVERITY: 2 critical, 4 warning, 6 information
   std::string text;
 };
@@ -79,7 +79,7 @@ class Autopilot {
   [[nodiscard]] bool in_air() const { return in_air_; }  ///< the landed state; true about a second before lift-off
   /// The health bit of SYS_STATUS: could it be armed in the mode that it is in?
   [[nodiscard]] bool prearm_ok() const { return prearm_ok_; }
-  [[nodiscard]] SystemStatus system_status() const;
+  [[nodiscard]] VehicleStatus system_status() const;
   [[nodiscard]] const std::optional<PositionSetpoint>& position_target() const { return position_target_; }
 
   [[nodiscard]] std::span<const Parameter> parameters() const { return parameters_; }
@@ -89,7 +89,7 @@ class Autopilot {
   void set_parameter(ParameterIndex index, double value);
 
   /// The texts since the last call.
-  std::vector<StatusText> take_texts() { return std::exchange(texts_, {}); }
+  std::vector<Announcement> take_texts() { return std::exchange(texts_, {}); }
 
  private:
   enum class Takeoff : std::uint8_t { kDisarmed, kSpoolUp, kReady, kRamp, kFlight };
@@ -114,7 +114,7 @@ class Autopilot {
 
   FlightControl control_;
   std::array<Parameter, static_cast<std::size_t>(ParameterIndex::kCount)> parameters_;
-  std::vector<StatusText> texts_;
+  std::vector<Announcement> texts_;
 
   bool armed_ = false;
   double armed_at_ = 0;

@@ -66,9 +66,9 @@ class Companion {
   double since_target_ = 0;
 };
 
-bool said(const std::vector<StatusText>& texts, const std::string& words) {
+bool said(const std::vector<Announcement>& texts, const std::string& words) {
   return std::any_of(texts.begin(), texts.end(),
-                     [&](const StatusText& text) { return text.text.find(words) != std::string::npos; });
+                     [&](const Announcement& text) { return text.text.find(words) != std::string::npos; });
 }
 
 // Modes and arming.
@@ -116,11 +116,11 @@ TEST(SimAutopilot, AStreamThatEndedASecondAgoArmsNothing) {
 TEST(SimAutopilot, ThePrearmBitStaysZeroInOffboardUntilSetpointsStream) {
   Companion companion;
   EXPECT_TRUE(companion.sim.autopilot().prearm_ok());
-  EXPECT_EQ(companion.sim.autopilot().system_status(), SystemStatus::kReady);
+  EXPECT_EQ(companion.sim.autopilot().system_status(), VehicleStatus::kReady);
   ASSERT_EQ(companion.set_mode(FlightMode::kOffboard), Verdict::kAccepted);
   companion.run(3);
   EXPECT_FALSE(companion.sim.autopilot().prearm_ok());
-  EXPECT_EQ(companion.sim.autopilot().system_status(), SystemStatus::kNotReady);
+  EXPECT_EQ(companion.sim.autopilot().system_status(), VehicleStatus::kNotReady);
   companion.hold({0, 0, 1.5});
   companion.run(0.3);
   EXPECT_TRUE(companion.sim.autopilot().prearm_ok());
@@ -129,7 +129,7 @@ TEST(SimAutopilot, ThePrearmBitStaysZeroInOffboardUntilSetpointsStream) {
 TEST(SimAutopilot, IsNotReadyToArmRightAfterBooting) {
   Simulation sim({});
   sim.step();
-  EXPECT_EQ(sim.autopilot().system_status(), SystemStatus::kNotReady);
+  EXPECT_EQ(sim.autopilot().system_status(), VehicleStatus::kNotReady);
   EXPECT_EQ(sim.autopilot().arm(false, sim.now()), Verdict::kTemporarilyRejected);
 }
 
@@ -219,7 +219,7 @@ TEST(SimAutopilot, DropsOutBetween1040And1060msAfterTheLastSetpointThenLandsAndD
   EXPECT_LE(waited, 1.06);
   EXPECT_EQ(autopilot.mode(), FlightMode::kPosctl);
   EXPECT_EQ(autopilot.intended_mode(), FlightMode::kOffboard);
-  EXPECT_EQ(autopilot.system_status(), SystemStatus::kFailsafe);
+  EXPECT_EQ(autopilot.system_status(), VehicleStatus::kFailsafe);
   const double disarmed = waited + companion.run_until([&] { return !autopilot.armed(); }, 30);
   EXPECT_NEAR(disarmed, 9.6, 1.2);
   EXPECT_TRUE(companion.sim.quadrotor().on_ground());
@@ -333,7 +333,7 @@ TEST(SimAutopilot, ThePilotTakesOverAtOnceAndOffboardDoesNotComeBackByItself) {
   EXPECT_EQ(companion.sim.autopilot().mode(), FlightMode::kPosctl);
   EXPECT_GT(companion.sim.truth().position.x() - x, 1);
   EXPECT_GT(companion.height(), 1.1);
-  EXPECT_EQ(companion.sim.autopilot().system_status(), SystemStatus::kArmed);
+  EXPECT_EQ(companion.sim.autopilot().system_status(), VehicleStatus::kArmed);
 }
 
 TEST(SimAutopilot, WithAPilotTheLossOfTheStreamHoldsThePositionUnderHim) {
