@@ -120,7 +120,7 @@ Vector3 FlightControl::turn(const Estimate& estimate, const AttitudeSetpoint& ta
 }
 
 MotorCommands FlightControl::drive(const Estimate& estimate, const Vector3& rate, double thrust, double dt) {
-  const Vector3 limit{gains_.rate_max, gains_.rate_max, gains_.yaw_rate_max};
+  const Vector3 limit{model_.rate_max, model_.rate_max, std::min(model_.rate_max, gains_.yaw_rate_max)};
   const Vector3 error = rate.cwiseMax(-limit).cwiseMin(limit) - estimate.rate;
   rate_slope_ += dt / (kSlopeFilter + dt) * ((estimate.rate - last_rate_) / dt - rate_slope_);
   last_rate_ = estimate.rate;

@@ -42,7 +42,6 @@ struct ControlGains {
   double attitude_p = 6.5;     ///< MC_ROLL_P, MC_PITCH_P [1/s]
   double yaw_p = 2.8;          ///< MC_YAW_P [1/s]
   double yaw_weight = 0.4;     ///< MC_YAW_WEIGHT
-  double rate_max = 3.84;      ///< MC_ROLLRATE_MAX [rad/s]
   double yaw_rate_max = 3.49;  ///< MC_YAWRATE_MAX [rad/s]
 };
 

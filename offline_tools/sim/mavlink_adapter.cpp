@@ -1,8 +1,8 @@
 #include "sim/mavlink_adapter.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "swiftlet/mavlink/frames.hpp"
 
@@ -17,6 +17,9 @@ constexpr Microseconds kCommanderDelay = milliseconds(10);
 constexpr float kForce = 21196;
 constexpr std::uint16_t kGimbalCommand = 1000;  // MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW, broadcast on the link
 constexpr std::uint32_t kGimbalStream = 0xFFFFFF;
+/// Streams of PX4 that can be asked for but are not made here: ATTITUDE, GLOBAL_POSITION_INT, SERVO_OUTPUT_RAW,
+/// VFR_HUD, ATTITUDE_TARGET, HIGHRES_IMU, ALTITUDE, BATTERY_STATUS, ESTIMATOR_STATUS.
+constexpr std::array<std::uint32_t, 9> kUnsentStreams{30, 33, 36, 74, 83, 105, 141, 147, 230};
 
 /// PX4's custom mode: main mode << 16 | sub-mode << 24.
 std::uint32_t custom_mode(FlightMode mode) {
@@ -71,17 +74,12 @@ mavlink::ParameterName to_name(std::string_view name) {
 /// PX4 sends the bytes of an integer in the place of the float.
 float encoded(const Parameter& parameter) {
   if (!parameter.integer) return static_cast<float>(parameter.value);
-  const auto integer = static_cast<std::int32_t>(parameter.value);
-  float bits = 0;
-  std::memcpy(&bits, &integer, sizeof bits);
-  return bits;
+  return std::bit_cast<float>(static_cast<std::int32_t>(parameter.value));
 }
 
 double decoded(float value, bool integer) {
   if (!integer) return static_cast<double>(value);
-  std::int32_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  return bits;
+  return std::bit_cast<std::int32_t>(value);
 }
 
 std::optional<std::size_t> index_of(std::span<const Parameter> parameters, std::string_view name) {
@@ -117,6 +115,7 @@ void MavlinkAdapter::reset() {
       stream(Odometry::kId, 33),      stream(PositionTarget::kId, 100),    stream(TimeSyncMessage::kId, 100),
       stream(kGimbalStream, 5000)};
   streams_.front().fixed = true;
+  for (const std::uint32_t id : kUnsentStreams) streams_.push_back(stream(id, 0));
   commands_.clear();
   asked_parameters_.clear();
   shown_mode_.reset();

@@ -15,6 +15,7 @@ inline constexpr double kGravity = 9.80665;  ///< [m/s^2]
 struct VehicleModel {
   double mass = 1;                       ///< [kg]
   double thrust_min = 0;                 ///< [N] all four motors, idling
+  double rate_max = 3.84;                ///< [rad/s] that its autopilot lets it roll and pitch at
   double thrust_max = 20;                ///< [N] all four motors
   Vector3 inertia{0.025, 0.025, 0.030};  ///< [kg m^2] principal moments, frame B
   double motor_lag = 0.05;               ///< [s] of first order

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -346,7 +347,7 @@ TEST(PixhawkSim, AttitudeAndRateTargetsTurnTheVehicle) {
     settings.simulation.estimator.attitude_sigma.setZero();
     Companion companion(settings);
     companion.fly();
-    const Quaternion north(Eigen::AngleAxis<double>(M_PI / 2, Vector3::UnitZ()));  // where `hold` looks
+    const Quaternion north(Eigen::AngleAxis<double>(M_PI / 2, Vector3::UnitZ()));     // where `hold` looks
     const Quaternion tilt = north * Eigen::AngleAxis<double>(0.2, Vector3::UnitY());  // nose down
     companion.stream = [&] {
       mavlink::SetAttitudeTarget target;
@@ -379,14 +380,12 @@ TEST(PixhawkSim, ParametersAreListedReadAndSetWithIntegersAsBytes) {
   EXPECT_EQ(companion.parameters[0].count, count);
   mavlink::ParameterName name{};
   std::copy_n("COM_OBL_RC_ACT", 14, name.begin());
-  const std::int32_t land = 4;
-  float bits = 0;
-  std::memcpy(&bits, &land, sizeof bits);
+  constexpr std::int32_t land = 4;
   companion.parameters.clear();
-  companion.send(mavlink::ParameterSet{{1, 1}, name, bits, 6});
+  companion.send(mavlink::ParameterSet{{1, 1}, name, std::bit_cast<float>(land), 6});
   companion.run(0.02);
   ASSERT_EQ(companion.parameters.size(), 1U);
-  EXPECT_EQ(std::memcmp(&companion.parameters[0].value, &land, 4), 0);
+  EXPECT_EQ(std::bit_cast<std::int32_t>(companion.parameters[0].value), land);
   EXPECT_EQ(companion.sim.simulation().autopilot().parameter(ParameterIndex::kOffboardLossAction), 4);
   companion.parameters.clear();
   companion.send(mavlink::ParameterRequest{{1, 1}, name, -1});
