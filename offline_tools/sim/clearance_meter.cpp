@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "map/obstacles.hpp"
+
 namespace swiftlet::tools {
 namespace {
 
@@ -21,6 +23,14 @@ std::vector<Box> occupied_boxes(const VoxelMap& map) {
     }
     boxes.push_back(box);
   }
+  return boxes;
+}
+
+Expected<std::vector<Box>> occupied_boxes(const BoxGraphView& view) {
+  const Expected<std::vector<IntBox>> obstacles = obstacle_boxes(view);
+  if (!obstacles) return tl::unexpected(obstacles.error());
+  std::vector<Box> boxes;
+  for (const IntBox& obstacle : *obstacles) boxes.push_back(view.to_world(obstacle));
   return boxes;
 }
 

@@ -3,12 +3,15 @@
 #include <vector>
 
 #include "map/voxel_map.hpp"
+#include "swiftlet/box_graph_view.hpp"
 #include "swiftlet/types.hpp"
 
 namespace swiftlet::tools {
 
 /// The occupied voxels of a source map as boxes, frame W.
 std::vector<Box> occupied_boxes(const VoxelMap& map);
+/// The same from a map blob. Error: exit status 3, the blob's obstacles are damaged.
+Expected<std::vector<Box>> occupied_boxes(const BoxGraphView& view);
 
 /// Least distance [m] of a moving point to a set of boxes. Exact, and cheap while the point moves little between calls:
 /// boxes that cannot be the nearest are not looked at.

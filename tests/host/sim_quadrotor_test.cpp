@@ -1,8 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+#include <random>
 
+#include "map_test_worlds.hpp"
 #include "sim/clearance_meter.hpp"
 #include "sim/quadrotor.hpp"
 #include "sim/wind.hpp"
@@ -187,6 +188,30 @@ TEST(SimClearance, OccupiedLeavesBecomeBoxesOfTheirEdge) {
   ASSERT_EQ(boxes.size(), 1U);
   EXPECT_EQ(boxes[0].lo, Vector3(-0.5, -2, 0));
   EXPECT_EQ(boxes[0].hi, Vector3(0.5, -1, 1));
+}
+
+TEST(SimClearance, AMapBlobHasTheObstaclesOfItsSource) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 20; ++i) {
+    const VoxelMap map = test::voxel_map(test::random_world(random));
+    test::MapBuildOptions options;
+    options.radius = 0;
+    const Expected<BuiltMap> built = build_map(map, "source", options, [](std::string_view, double) {});
+    if (!built) continue;  // nothing free
+    const Result<BoxGraphView> view = BoxGraphView::open(built->blob);
+    ASSERT_TRUE(view.ok());
+    const Expected<std::vector<Box>> boxes = occupied_boxes(*view);
+    ASSERT_TRUE(boxes.has_value());
+    ClearanceMeter of_blob(*boxes);
+    ClearanceMeter of_source(occupied_boxes(map));
+    Noise noise(1);
+    for (int j = 0; j < 50; ++j) {
+      const Vector3 point = 2 * noise.vector();
+      of_blob.visit(point);
+      of_source.visit(point);
+      EXPECT_DOUBLE_EQ(of_blob.least(), of_source.least());
+    }
+  }
 }
 
 }  // namespace
