@@ -53,11 +53,12 @@ std::optional<FlightMode> mode_of(float main, float sub) {
 
 CommandResult to_result(Verdict verdict) { return static_cast<CommandResult>(verdict); }
 
-/// Components whose bit is set are not asked for.
+/// Components whose bit is set, or that are not finite, are not asked for.
 Vector3 masked(const mavlink::NedVector& v, unsigned mask, unsigned first_bit) {
   mavlink::NedVector kept = v;
   for (int axis = 0; axis < 3; ++axis) {
-    if ((mask >> (first_bit + static_cast<unsigned>(axis)) & 1U) != 0) kept.value[axis] = kNotGiven;
+    const bool ignored = (mask >> (first_bit + static_cast<unsigned>(axis)) & 1U) != 0;
+    if (ignored || !std::isfinite(v.value[axis])) kept.value[axis] = kNotGiven;
   }
   return mavlink::to_enu(kept);
 }
@@ -104,7 +105,8 @@ MavlinkAdapter::MavlinkAdapter(Simulation& simulation)
 
 void MavlinkAdapter::reset() {
   using namespace mavlink;
-  const auto system = static_cast<std::uint8_t>(simulation_.autopilot().parameter(ParameterIndex::kSystemId));
+  const double system_id = std::clamp(simulation_.autopilot().parameter(ParameterIndex::kSystemId), 1.0, 255.0);
+  const auto system = static_cast<std::uint8_t>(system_id);
   codec_ = Codec({system, kAutopilotComponent});
   const auto stream = [](std::uint32_t id, int interval_ms) {
     return Stream{id, milliseconds(interval_ms), milliseconds(interval_ms)};
@@ -364,7 +366,8 @@ void MavlinkAdapter::handle_position_target(const mavlink::SetPositionTarget& me
   target.velocity = masked(message.velocity, message.type_mask, 3);
   target.acceleration = masked(message.acceleration, message.type_mask, 6);
   if ((message.type_mask & mavlink::kIgnoreYaw) == 0) target.yaw = turned(message.yaw);
-  if ((message.type_mask & mavlink::kIgnoreYawRate) == 0) target.yaw_rate = -message.yaw_rate;
+  const bool has_yaw_rate = (message.type_mask & mavlink::kIgnoreYawRate) == 0 && std::isfinite(message.yaw_rate);
+  if (has_yaw_rate) target.yaw_rate = -message.yaw_rate;
   const auto asks = [](const Vector3& v) { return !v.array().isNaN().all(); };
   if (!asks(target.position) && !asks(target.velocity) && !asks(target.acceleration)) return;
   simulation_.autopilot().set_target(target, simulation_.now());

@@ -341,6 +341,36 @@ TEST(PixhawkSim, SetpointsThatAskForNothingOrInAnotherFrameAreNone) {
   EXPECT_FALSE(companion.sim.simulation().autopilot().prearm_ok());
 }
 
+TEST(PixhawkSim, NoSetpointMakesTheVehiclesStateAnythingButNumbers) {
+  Companion companion;
+  companion.fly();
+  Noise noise(2);
+  const std::array<float, 6> values{NAN, INFINITY, -INFINITY, 3e38F, -3e38F, 0};
+  const auto any = [&] { return values[noise.below(values.size())]; };
+  const auto vector = [&] { return Vector3{any(), any(), any()}; };
+  companion.stream = [&] {
+    mavlink::SetPositionTarget position;
+    position.target = {1, 1};
+    position.type_mask = static_cast<std::uint16_t>(noise.below(0x1000));
+    position.position.value = vector();
+    position.velocity.value = vector();
+    position.acceleration.value = vector();
+    position.yaw = any();
+    position.yaw_rate = any();
+    mavlink::SetAttitudeTarget attitude;
+    attitude.target = {1, 1};
+    attitude.type_mask = static_cast<std::uint8_t>(noise.below(256));
+    attitude.attitude.value.coeffs() << any(), any(), any(), any();
+    attitude.body_rates.value = vector();
+    attitude.thrust = any();
+    noise.below(2) == 0 ? companion.send(position) : companion.send(attitude);
+  };
+  companion.run(20);
+  const RigidState& truth = companion.sim.simulation().truth();
+  EXPECT_TRUE(truth.position.allFinite() && truth.velocity.allFinite() && truth.rate.allFinite());
+  EXPECT_TRUE(truth.attitude.coeffs().allFinite());
+}
+
 TEST(PixhawkSim, AttitudeAndRateTargetsTurnTheVehicle) {
   for (const bool rates : {false, true}) {
     PixhawkSimSettings settings;
