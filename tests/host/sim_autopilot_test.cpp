@@ -515,6 +515,41 @@ TEST(SimTracking, PositionAloneLagsByAboutASecond) {
   EXPECT_LT(track_square(1, 0.8, false).rms, 0.5);
 }
 
+TEST(SimTracking, OtherVehiclesHoverAsWellAlsoWhenTheHoverThrustIsNotWhatTheAutopilotBelieves) {
+  VehicleModel large;
+  large.mass = 3;
+  large.thrust_max = 70;
+  large.thrust_min = 4;
+  large.inertia = {0.08, 0.09, 0.15};
+  large.arm = 0.25;
+  VehicleModel small;
+  small.mass = 0.3;
+  small.thrust_max = 9;
+  small.inertia = {0.0008, 0.0008, 0.0014};
+  small.arm = 0.07;
+  small.motor_lag = 0.03;
+  small.drag = 0.1;
+  small.angular_drag = 0.0005;
+  for (const VehicleModel& model : {large, small}) {
+    for (const double belief : {0.85, 1.0, 1.15}) {
+      SimulationSettings settings;
+      settings.vehicle = model;
+      settings.hover_thrust = belief * hover_fraction(model);
+      Companion companion(settings);
+      companion.fly();
+      companion.run(5);
+      double farthest = 0;
+      for (int i = 0; i < 1000; ++i) {
+        companion.run(0.01);
+        const Vector3 off = companion.sim.estimate().position - companion.home - Vector3{0, 0, 1.5};
+        farthest = std::max(farthest, off.norm());
+      }
+      EXPECT_LT(farthest, 0.6) << model.mass << " kg";
+      EXPECT_LT(companion.sim.truth().rate.norm(), 0.5);
+    }
+  }
+}
+
 // Attitude and rates.
 
 TEST(SimTracking, AnAttitudeIsReachedAndItsThrustIsTheFractionOfFull) {
