@@ -64,11 +64,11 @@ Result<FlatState> flat_to_state(const FlatOutputs& flat, const Matrix3& hint) {
   state.thrust = force.norm();
   if (state.thrust < kLeastThrust) {
     state.singularity = Singularity::kFreeFall;
-    state.R_WB = to_quaternion(hint).toRotationMatrix();
+    state.attitude = to_quaternion(hint).toRotationMatrix();
     return state;
   }
-  state.R_WB = attitude_from(force / state.thrust, flat.yaw, hint, state.singularity);
-  state.omega_WB_B = body_rates(state.R_WB, state.thrust, flat, state.singularity);
+  state.attitude = attitude_from(force / state.thrust, flat.yaw, hint, state.singularity);
+  state.body_rates = body_rates(state.attitude, state.thrust, flat, state.singularity);
   return state;
 }
 

@@ -23,8 +23,8 @@ Vector3 clamped(const Vector3& v, const Vector3& bound) { return v.cwiseMax(-bou
 
 void TrackingController::reset() {
   integral_.setZero();
-  R_WD_.setIdentity();
-  omega_D_.setZero();
+  desired_attitude_.setIdentity();
+  desired_rates_.setZero();
 }
 
 /// Bounds a specific force [m/s^2]; true when it had to change.
@@ -56,13 +56,13 @@ TrackingCommand TrackingController::command_for(const Reference& reference, cons
   Vector3 force = reference.sample.acceleration + feedback + command.compensation + kWeight;
   command.saturated = bound_force(force);
   command.commanded_acceleration = force - kWeight;
-  const Result<FlatState> flat =
-      flat_to_state({command.commanded_acceleration, reference.sample.jerk, reference.yaw, reference.yaw_rate}, R_WD_);
+  const Result<FlatState> flat = flat_to_state(
+      {command.commanded_acceleration, reference.sample.jerk, reference.yaw, reference.yaw_rate}, desired_attitude_);
   if (!flat.ok()) return level();  // not reached: everything was bounded
-  R_WD_ = flat->R_WB;
-  omega_D_ = flat->omega_WB_B;
-  command.attitude = to_quaternion(R_WD_);
-  command.body_rates = clamped(omega_D_, settings_.rate_max);
+  desired_attitude_ = flat->attitude;
+  desired_rates_ = flat->body_rates;
+  command.attitude = to_quaternion(desired_attitude_);
+  command.body_rates = clamped(desired_rates_, settings_.rate_max);
   command.thrust = flat->thrust;
   command.force = settings_.mass * command.thrust;
   return command;
@@ -71,11 +71,11 @@ TrackingCommand TrackingController::command_for(const Reference& reference, cons
 /// Thrust along the axis that the body has, moment and body rates that turn it to the one that it should have.
 void TrackingController::close_attitude_loop(const VehicleState& state, TrackingCommand& command) const {
   const Matrix3 R_WB = state.attitude.normalized().toRotationMatrix();
-  const Matrix3 R_BD = R_WB.transpose() * R_WD_;
+  const Matrix3 R_BD = R_WB.transpose() * desired_attitude_;
   // (R_BD^T - R_BD)^vee / 2
   const Vector3 e_R = Vector3{R_BD(1, 2) - R_BD(2, 1), R_BD(2, 0) - R_BD(0, 2), R_BD(0, 1) - R_BD(1, 0)} / 2;
-  const Vector3 omega_D_B = R_BD * omega_D_;
-  const Vector3 e_omega = state.omega_WB_B - omega_D_B;
+  const Vector3 omega_D_B = R_BD * desired_rates_;
+  const Vector3 e_omega = state.body_rates - omega_D_B;
   command.moment = -settings_.k_attitude.cwiseProduct(e_R) - settings_.k_rate.cwiseProduct(e_omega);
   command.body_rates = clamped(omega_D_B - settings_.k_attitude_rate.cwiseProduct(e_R), settings_.rate_max);
   const Real along = (command.commanded_acceleration + kWeight).dot(R_WB.col(2));
@@ -86,9 +86,9 @@ void TrackingController::close_attitude_loop(const VehicleState& state, Tracking
 TrackingCommand TrackingController::level() const {
   TrackingCommand command;
   Singularity singularity{};
-  const Real heading = heading_of(R_WD_);
+  const Real heading = heading_of(desired_attitude_);
   command.yaw = heading;
-  command.attitude = to_quaternion(attitude_from(Vector3::UnitZ(), heading, R_WD_, singularity));
+  command.attitude = to_quaternion(attitude_from(Vector3::UnitZ(), heading, desired_attitude_, singularity));
   command.force = settings_.mass * kGravity;
   return command;
 }

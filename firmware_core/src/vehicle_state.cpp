@@ -37,7 +37,7 @@ struct Motion {
 
 bool is_usable(const VehicleState& state) {
   const Real norm2 = state.attitude.coeffs().squaredNorm();
-  return is_sane(state.position) && is_sane(state.velocity) && is_sane(state.omega_WB_B) && norm2 > Real(0.81) &&
+  return is_sane(state.position) && is_sane(state.velocity) && is_sane(state.body_rates) && norm2 > Real(0.81) &&
          norm2 < Real(1.21);
 }
 
@@ -72,7 +72,7 @@ VehicleState StatePredictor::predict(const VehicleState& measured, TimeUs target
   predicted.time = target;
   predicted.position = motion.position;
   predicted.velocity = motion.velocity;
-  predicted.attitude = turned(measured.attitude, measured.omega_WB_B, to_seconds(end - measured.time));
+  predicted.attitude = turned(measured.attitude, measured.body_rates, to_seconds(end - measured.time));
   return predicted;
 }
 

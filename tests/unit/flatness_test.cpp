@@ -32,9 +32,9 @@ TEST(Flatness, HoverIsLevelAtItsHeadingAndCarriesTheWeight) {
   const Result<FlatState> state = flat_to_state({Vector3::Zero(), Vector3::Zero(), Real(0.7), Real(0.3)});
   ASSERT_TRUE(state.ok());
   EXPECT_NEAR(state->thrust, 9.80665, kTolerance);
-  EXPECT_NEAR(heading_of(state->R_WB), 0.7, kTolerance);
-  EXPECT_NEAR(state->R_WB(2, 2), 1, kTolerance);
-  EXPECT_NEAR(state->omega_WB_B.z(), 0.3, kTolerance);
+  EXPECT_NEAR(heading_of(state->attitude), 0.7, kTolerance);
+  EXPECT_NEAR(state->attitude(2, 2), 1, kTolerance);
+  EXPECT_NEAR(state->body_rates.z(), 0.3, kTolerance);
 }
 
 // Accelerating east with g, nose east: pitched nose down by 45 degrees, x_B = (1, 0, -1) / sqrt 2.
@@ -42,17 +42,17 @@ TEST(Flatness, AcceleratingForwardPitchesTheNoseDown) {
   const Result<FlatState> state = flat_to_state({{kGravity, 0, 0}, Vector3::Zero(), 0, 0});
   ASSERT_TRUE(state.ok());
   EXPECT_NEAR(state->thrust, 9.80665 * std::sqrt(2.0), 10 * kTolerance);
-  EXPECT_NEAR(state->R_WB(0, 0), std::sqrt(0.5), kTolerance);
-  EXPECT_NEAR(state->R_WB(2, 0), -std::sqrt(0.5), kTolerance);
-  EXPECT_NEAR(state->R_WB(1, 1), 1, kTolerance);
+  EXPECT_NEAR(state->attitude(0, 0), std::sqrt(0.5), kTolerance);
+  EXPECT_NEAR(state->attitude(2, 0), -std::sqrt(0.5), kTolerance);
+  EXPECT_NEAR(state->attitude(1, 1), 1, kTolerance);
 }
 
 // At hover, jerk east of g per second turns the thrust axis east at 1 rad/s: about body y.
 TEST(Flatness, JerkTurnsTheThrustAxis) {
   const Result<FlatState> state = flat_to_state({Vector3::Zero(), {kGravity, 0, 0}, 0, 0});
   ASSERT_TRUE(state.ok());
-  EXPECT_NEAR(state->omega_WB_B.y(), 1, kTolerance);
-  EXPECT_NEAR(state->omega_WB_B.x(), 0, kTolerance);
+  EXPECT_NEAR(state->body_rates.y(), 1, kTolerance);
+  EXPECT_NEAR(state->body_rates.x(), 0, kTolerance);
 }
 
 TEST(Flatness, ThrustAlongBodyZIsTheForceAndTheHeadingIsTheYaw) {
@@ -61,12 +61,12 @@ TEST(Flatness, ThrustAlongBodyZIsTheForceAndTheHeadingIsTheYaw) {
     const FlatOutputs flat = random_flat(random, 25);
     const Result<FlatState> state = flat_to_state(flat);
     ASSERT_TRUE(state.ok());
-    EXPECT_LE(rotation_error(state->R_WB), 10 * kTolerance);
+    EXPECT_LE(rotation_error(state->attitude), 10 * kTolerance);
     if (state->singularity == Singularity::kFreeFall) continue;
-    const Vector3 force = state->thrust * state->R_WB.col(2);
+    const Vector3 force = state->thrust * state->attitude.col(2);
     EXPECT_LE((force - flat.acceleration - Vector3{0, 0, kGravity}).norm(), 100 * kTolerance);
     if (state->singularity == Singularity::kYawAlongThrust) continue;
-    EXPECT_NEAR(wrap_angle(heading_of(state->R_WB) - flat.yaw), 0, 100 * kTolerance);
+    EXPECT_NEAR(wrap_angle(heading_of(state->attitude) - flat.yaw), 0, 100 * kTolerance);
   }
 }
 
@@ -84,10 +84,10 @@ TEST(Flatness, BodyRatesAreTheDerivativeOfTheAttitude) {
     const Result<FlatState> next = flat_to_state(later);
     ASSERT_TRUE(now.ok() && next.ok());
     const bool regular = now->singularity == Singularity::kNone && next->singularity == Singularity::kNone;
-    if (!regular || now->thrust < 4 || std::fabs(now->R_WB(2, 2)) < Real(0.3)) continue;
-    const Matrix3 turn = now->R_WB.transpose() * next->R_WB;
+    if (!regular || now->thrust < 4 || std::fabs(now->attitude(2, 2)) < Real(0.3)) continue;
+    const Matrix3 turn = now->attitude.transpose() * next->attitude;
     const Vector3 omega = Vector3{turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0), turn(1, 0) - turn(0, 1)} / (2 * h);
-    EXPECT_LE((omega - now->omega_WB_B).norm(), (kIsDouble ? Real(1e-3) : Real(0.1)) * (1 + omega.norm()));
+    EXPECT_LE((omega - now->body_rates).norm(), (kIsDouble ? Real(1e-3) : Real(0.1)) * (1 + omega.norm()));
     ++checked;
   }
   EXPECT_GT(checked, 100);
@@ -99,17 +99,17 @@ TEST(Flatness, InFreeFallTheAttitudeIsTheHints) {
   const Result<FlatState> state = flat_to_state({{0, 0, -kGravity}, {1, 2, 3}, 0, 1}, hint);
   ASSERT_TRUE(state.ok());
   EXPECT_TRUE(state->singularity == Singularity::kFreeFall);
-  EXPECT_LE((state->R_WB - hint).norm(), 10 * kTolerance);
-  EXPECT_EQ(state->omega_WB_B.norm(), 0);
+  EXPECT_LE((state->attitude - hint).norm(), 10 * kTolerance);
+  EXPECT_EQ(state->body_rates.norm(), 0);
   EXPECT_NEAR(state->thrust, 0, kTolerance);
 }
 
 TEST(Flatness, InvertedTheNoseStillPointsAlongTheHeading) {
   const Result<FlatState> state = flat_to_state({{1, 2, -20}, Vector3::Zero(), Real(2.5), 0});
   ASSERT_TRUE(state.ok());
-  EXPECT_LT(state->R_WB(2, 2), 0);
-  EXPECT_NEAR(heading_of(state->R_WB), 2.5, 10 * kTolerance);
-  EXPECT_LE(rotation_error(state->R_WB), 10 * kTolerance);
+  EXPECT_LT(state->attitude(2, 2), 0);
+  EXPECT_NEAR(heading_of(state->attitude), 2.5, 10 * kTolerance);
+  EXPECT_LE(rotation_error(state->attitude), 10 * kTolerance);
 }
 
 TEST(Flatness, ThrustAlongTheSidewaysAxisTakesTheHeadingOfTheHint) {
@@ -119,8 +119,8 @@ TEST(Flatness, ThrustAlongTheSidewaysAxisTakesTheHeadingOfTheHint) {
     const Result<FlatState> state = flat_to_state({{0, 10, -kGravity}, {1, 1, 1}, 0, 1}, hint);
     ASSERT_TRUE(state.ok());
     EXPECT_TRUE(state->singularity == Singularity::kYawAlongThrust);
-    EXPECT_LE(rotation_error(state->R_WB), 10 * kTolerance);
-    EXPECT_TRUE(state->omega_WB_B.allFinite());
+    EXPECT_LE(rotation_error(state->attitude), 10 * kTolerance);
+    EXPECT_TRUE(state->body_rates.allFinite());
   }
 }
 
@@ -128,7 +128,7 @@ TEST(Flatness, HorizontalThrustForwardHasNoRateAboutIt) {
   const Result<FlatState> state = flat_to_state({{10, 0, -kGravity}, {0, 1, 0}, 0, 1});
   ASSERT_TRUE(state.ok());
   EXPECT_TRUE(state->singularity == Singularity::kThrustHorizontal);
-  EXPECT_EQ(state->omega_WB_B.z(), 0);
+  EXPECT_EQ(state->body_rates.z(), 0);
 }
 
 TEST(Flatness, RefusesNumbersThatAreNone) {
@@ -171,8 +171,8 @@ TEST(Flatness, NothingButRotationsLeaves) {
     for (Eigen::Index column = 0; column < 3; ++column) hint.col(column) = random_vector(random, i % 3 == 0 ? 0 : 1);
     const Result<FlatState> state = flat_to_state(flat, hint);
     ASSERT_TRUE(state.ok());
-    EXPECT_LE(rotation_error(state->R_WB), 100 * kTolerance);
-    EXPECT_TRUE(state->omega_WB_B.allFinite());
+    EXPECT_LE(rotation_error(state->attitude), 100 * kTolerance);
+    EXPECT_TRUE(state->body_rates.allFinite());
     EXPECT_GE(state->thrust, 0);
   }
 }
@@ -183,10 +183,10 @@ TEST(Flatness, QuaternionsAreUnitWithPositiveRealPart) {
     const FlatOutputs flat = random_flat(random, 25);
     const Result<FlatState> state = flat_to_state(flat);
     ASSERT_TRUE(state.ok());
-    const Quaternion q = to_quaternion(state->R_WB);
+    const Quaternion q = to_quaternion(state->attitude);
     EXPECT_NEAR(q.norm(), 1, 10 * kTolerance);
     EXPECT_GE(q.w(), 0);
-    EXPECT_LE((q.toRotationMatrix() - state->R_WB).norm(), 100 * kTolerance);
+    EXPECT_LE((q.toRotationMatrix() - state->attitude).norm(), 100 * kTolerance);
   }
   EXPECT_EQ(to_quaternion(Matrix3::Constant(std::numeric_limits<Real>::quiet_NaN())).w(), 1);
 }

@@ -21,7 +21,7 @@ Real learned(Real hover, Real seconds) {
     const Real sent = estimator.normalised(kGravity + wanted - climb);
     climb += (sent_before / hover * kGravity - kGravity) * Real(0.02);
     sent_before = sent;
-    estimator.update(20'000 * i, climb + random.uniform(Real(-0.02), Real(0.02)), 1, sent);
+    estimator.update(TimeUs{20'000} * i, climb + random.uniform(Real(-0.02), Real(0.02)), 1, sent);
   }
   return estimator.hover();
 }
@@ -49,7 +49,7 @@ TEST(HoverThrust, LearnsNothingFromNumbersThatAreNoneGapsOrAPause) {
   const Real nan = std::numeric_limits<Real>::quiet_NaN();
   HoverThrustEstimator estimator({});
   for (int i = 0; i < 200; ++i) {
-    const TimeUs time = 20'000 * i;
+    const TimeUs time = TimeUs{20'000} * i;
     switch (i % 4) {
       case 0:
         estimator.update(time, nan, 1, Real(0.9));
@@ -64,9 +64,9 @@ TEST(HoverThrust, LearnsNothingFromNumbersThatAreNoneGapsOrAPause) {
         estimator.update(time, 0, 1, Real(0.9));
     }
   }
-  for (int i = 0; i < 100; ++i) estimator.update(20'000'000 + 500'000 * i, 0, 1, Real(0.9));
+  for (int i = 0; i < 100; ++i) estimator.update(20'000'000 + TimeUs{500'000} * i, 0, 1, Real(0.9));
   for (int i = 0; i < 100; ++i) {
-    estimator.update(200'000'000 + 20'000 * i, 0, 1, Real(0.9));
+    estimator.update(200'000'000 + TimeUs{20'000} * i, 0, 1, Real(0.9));
     if (i % 3 == 0) estimator.pause();
   }
   EXPECT_EQ(estimator.hover(), Real(0.5));
@@ -74,7 +74,7 @@ TEST(HoverThrust, LearnsNothingFromNumbersThatAreNoneGapsOrAPause) {
 
 TEST(HoverThrust, TiltCountsOnlyItsVerticalPart) {
   HoverThrustEstimator estimator({});
-  for (int i = 0; i < 1000; ++i) estimator.update(20'000 * i, 0, Real(0.8), Real(0.5));
+  for (int i = 0; i < 1000; ++i) estimator.update(TimeUs{20'000} * i, 0, Real(0.8), Real(0.5));
   EXPECT_NEAR(estimator.hover(), 0.4, 1e-3);
 }
 

@@ -198,7 +198,7 @@ TEST(Supervisor, LinkCutBrakesAfter200msAndYieldsAfterOneSecond) {
   flight.link_cut = true;
   expect_brake(flight, Reason::kOdometryStale, 210'000);
   EXPECT_TRUE(flight.decision.setpoints == Setpoints::kPosition);
-  expect_yield(flight, Reason::kLinkLost, 830'000);
+  expect_yield(flight, Reason::kLinkLost, 820'000);
 }
 
 TEST(Supervisor, StaleOdometryBrakesAfter200msOnThePositionForm) {
@@ -279,7 +279,7 @@ TEST(Supervisor, StarvedSetpointsBrakeAfter250msAndYieldAfter900ms) {
   Flight flight = flying();
   flight.sending_stopped = true;
   expect_brake(flight, Reason::kSetpointStarved, 260'000);
-  expect_yield(flight, Reason::kSetpointStarved, 660'000);
+  expect_yield(flight, Reason::kSetpointStarved, 650'000);
 }
 
 TEST(Supervisor, AStallOfOurselvesBrakesAtTheNextStep) {

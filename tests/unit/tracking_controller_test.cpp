@@ -52,7 +52,7 @@ TEST(TrackingController, GivesTheThrustAndMomentOfEquation4) {
   VehicleState state;
   state.position = {Real(0.1), 0, 5};
   state.velocity = {0, Real(0.2), 0};
-  state.omega_WB_B = {Real(0.1), 0, 0};
+  state.body_rates = {Real(0.1), 0, 0};
   const TrackingCommand command = controller.step(reference, state, kStep, false);
   const Vector3 force{-Real(0.1) * 7, -Real(0.2) * Real(4.5), 1 + kGravity};  // specific
   EXPECT_NEAR(command.force, 2 * (1 + 9.80665), 10 * kTolerance);             // z_B = z_W
@@ -95,7 +95,7 @@ TEST(TrackingController, AnUnusableStateIsFlownOpenLoopOnTheReference) {
     if (field == 0) state.position[1] = kNan;
     if (field == 1) state.velocity[2] = std::numeric_limits<Real>::infinity();
     if (field == 2) state.attitude = Quaternion(0, 0, 0, 0);
-    if (field == 3) state.omega_WB_B[0] = kNan;
+    if (field == 3) state.body_rates[0] = kNan;
     const TrackingCommand command = controller.step(reference, state, kStep, true);
     EXPECT_TRUE(command.basis == CommandBasis::kReference);
     EXPECT_TRUE(all_finite(command));
@@ -179,7 +179,7 @@ struct Plant {
   std::size_t delay = 0;  // control steps: commands act and measurements are this old
   Vector3 position = Vector3::Zero();
   Vector3 velocity = Vector3::Zero();
-  Vector3 z_B = Vector3::UnitZ();
+  Vector3 thrust_axis = Vector3::UnitZ();
   std::array<TrackingCommand, 8> commands{};
   std::array<VehicleState, 8> states{};
   std::size_t steps = 0;
@@ -194,14 +194,15 @@ struct Plant {
     const Real h = kStep / kPieces;
     for (int i = 0; i < kPieces; ++i) {
       const Vector3 wanted = acting.attitude.toRotationMatrix().col(2);
-      z_B = (z_B + (wanted - z_B) * (h / attitude_lag)).normalized();
-      const Vector3 acceleration = z_B * acting.thrust - Vector3{0, 0, kGravity} - drag * velocity + disturbance;
+      thrust_axis = (thrust_axis + (wanted - thrust_axis) * (h / attitude_lag)).normalized();
+      const Vector3 acceleration =
+          thrust_axis * acting.thrust - Vector3{0, 0, kGravity} - drag * velocity + disturbance;
       position += velocity * h + acceleration * (h * h / 2);
       velocity += acceleration * h;
     }
     Singularity none{};
     states[steps % 8] = {time_of(steps), position, velocity,
-                         to_quaternion(attitude_from(z_B, 0, Matrix3::Identity(), none)), Vector3::Zero()};
+                         to_quaternion(attitude_from(thrust_axis, 0, Matrix3::Identity(), none)), Vector3::Zero()};
   }
   [[nodiscard]] const VehicleState& measured() const { return states[(steps + 8 - delay) % 8]; }
 };

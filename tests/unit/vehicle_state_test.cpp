@@ -42,7 +42,7 @@ TEST(StatePredictor, IntegratesTheCommandsThatActMeanwhile) {
 
 TEST(StatePredictor, TheAnswerLagsBehindTheCommand) {
   StatePredictor predictor({Real(0.2), 500'000});
-  for (int i = 0; i < 30; ++i) predictor.record(900'000 + 10'000 * i, {0, 0, 2}, Vector3::Zero());
+  for (int i = 0; i < 30; ++i) predictor.record(TimeUs{900'000} + TimeUs{10'000} * i, {0, 0, 2}, Vector3::Zero());
   const VehicleState state = predictor.predict(moving(), 1'150'000);
   EXPECT_GT(state.velocity[2], 0.1);
   EXPECT_LE(state.velocity[2], 0.3 + kTolerance);
@@ -50,7 +50,7 @@ TEST(StatePredictor, TheAnswerLagsBehindTheCommand) {
 
 TEST(StatePredictor, TurnsByTheBodyRates) {
   VehicleState state = moving();
-  state.omega_WB_B = {0, 0, 1};
+  state.body_rates = {0, 0, 1};
   EXPECT_NEAR(heading_of(StatePredictor({}).predict(state, 1'250'000).attitude.toRotationMatrix()), 0.25, kTolerance);
 }
 
@@ -62,7 +62,7 @@ TEST(StatePredictor, GoesNoFurtherThanItsHorizonAndNeverBack) {
 
 TEST(StatePredictor, ForgetsTheOldestCommandsOfALongFlight) {
   StatePredictor predictor({0, 500'000});
-  for (int i = 0; i < 500; ++i) predictor.record(i * 10'000, {0, 1, 0}, Vector3::Zero());
+  for (int i = 0; i < 500; ++i) predictor.record(TimeUs{10'000} * i, {0, 1, 0}, Vector3::Zero());
   VehicleState state = moving();
   state.time = 4'900'000;
   EXPECT_NEAR(predictor.predict(state, 5'000'000).velocity[1], 0.1, kTolerance);
@@ -88,7 +88,7 @@ TEST(VehicleState, KnowsAnUnusableOne) {
     if (field == 2) state.attitude = Quaternion(nan, 0, 0, 0);
     if (field == 3) state.attitude = Quaternion(0, 0, 0, 0);
     if (field == 4) state.attitude = Quaternion(2, 0, 0, 0);
-    if (field == 5) state.omega_WB_B[1] = -std::numeric_limits<Real>::max();
+    if (field == 5) state.body_rates[1] = -std::numeric_limits<Real>::max();
     EXPECT_FALSE(is_usable(state));
     EXPECT_EQ(StatePredictor({}).predict(state, 2'000'000).time, state.time);
   }

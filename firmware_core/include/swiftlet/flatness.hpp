@@ -31,9 +31,9 @@ enum class Singularity : std::uint8_t {
 
 /// Attitude, collective thrust and body rates that fly the flat outputs.
 struct FlatState {
-  Matrix3 R_WB = Matrix3::Identity();    ///< attitude of the body (forward-left-up)
-  Real thrust = kGravity;                ///< [m/s^2] specific collective thrust, along body z; >= 0
-  Vector3 omega_WB_B = Vector3::Zero();  ///< [rad/s] angular velocity in the body frame
+  Matrix3 attitude = Matrix3::Identity();  ///< R_WB of the body (forward-left-up)
+  Real thrust = kGravity;                  ///< [m/s^2] specific collective thrust, along body z; >= 0
+  Vector3 body_rates = Vector3::Zero();    ///< [rad/s] omega_WB_B, in the body frame
   Singularity singularity = Singularity::kNone;
 };
 

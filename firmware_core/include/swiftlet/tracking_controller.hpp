@@ -87,9 +87,9 @@ class TrackingController {
   [[nodiscard]] TrackingCommand level() const;
 
   ControllerSettings settings_;
-  Vector3 integral_ = Vector3::Zero();  // [m/s^2]
-  Matrix3 R_WD_ = Matrix3::Identity();  // last desired attitude
-  Vector3 omega_D_ = Vector3::Zero();   // its rates, in its own frame
+  Vector3 integral_ = Vector3::Zero();              // [m/s^2]
+  Matrix3 desired_attitude_ = Matrix3::Identity();  // last desired attitude
+  Vector3 desired_rates_ = Vector3::Zero();         // its rates, in its own frame
 };
 
 }  // namespace swiftlet

@@ -14,7 +14,7 @@ struct VehicleState {
   Vector3 position = Vector3::Zero();    ///< [m] p_WB
   Vector3 velocity = Vector3::Zero();    ///< [m/s] frame W
   Quaternion attitude{1, 0, 0, 0};       ///< q_WB
-  Vector3 omega_WB_B = Vector3::Zero();  ///< [rad/s] body frame
+  Vector3 body_rates = Vector3::Zero();  ///< [rad/s] omega_WB_B, in the body frame
 };
 
 /// Finite, of sane size (kLargestInput), and the quaternion of length 1 to ten percent.
