@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "swiftlet/blocked_space.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -325,6 +327,7 @@ std::span<const T> BoxGraphView::section(BlobSection section) const {
 }
 
 IntBox BoxGraphView::cell(CellIndex cell) const {
+  if (to_size(cell) >= cell_count()) return blocked_->pieces()[to_size(cell) - cell_count()].box;
   return to_int_box(section<BlobBox>(BlobSection::kCells)[to_size(cell)]);
 }
 
@@ -346,19 +349,23 @@ LandmarkRow BoxGraphView::landmarks(CellIndex a, CellIndex b) const {
   NeighbourRange::Iterator at = row.begin();
   while (at.remaining() > 1 && *at != high) ++at;
   return landmarks(low, at);
+CellIndex BoxGraphView::map_cell(CellIndex cell) const {
+  if (to_size(cell) < cell_count()) return cell;
+  return static_cast<CellIndex>(blocked_->pieces()[to_size(cell) - cell_count()].cell);
 }
 
 IntBox BoxGraphView::extent(CellIndex cell) const {
-  const std::byte* at = record(cell);
+  const CellIndex whole = map_cell(cell);
+  const std::byte* at = record(whole);
   skip_neighbours(at);
-  IntBox box = this->cell(cell);
+  IntBox box = this->cell(whole);
   for (std::uint16_t& low : box.lo) low = static_cast<std::uint16_t>(low - read_number(at));
   for (std::uint16_t& high : box.hi) high = static_cast<std::uint16_t>(high + read_number(at));
-  return box;
+  return blocked_ == nullptr ? box : blocked_->cut_back(box, this->cell(cell));
 }
 
 std::uint16_t BoxGraphView::component(CellIndex cell) const {
-  return section<std::uint16_t>(BlobSection::kComponents)[to_size(cell)];
+  return section<std::uint16_t>(BlobSection::kComponents)[to_size(map_cell(cell))];
 }
 
 std::span<const std::byte> BoxGraphView::obstacles() const { return section<std::byte>(BlobSection::kObstacles); }
@@ -418,7 +425,13 @@ std::optional<CellIndex> BoxGraphView::locate(const Vector3& p_W) const {
     const auto candidate = static_cast<CellIndex>(i);
     if ((!found || candidate < *found) && holds_point(cell(candidate))) found = candidate;
   });
-  return found;
+  const CutCell* cut = found && blocked_ != nullptr ? blocked_->cut(*found) : nullptr;
+  if (cut == nullptr) return found;
+  // On a face that a blocked box ends at, the cell beyond might do; such a point counts as blocked.
+  for (std::uint32_t k = cut->first; k < cut->first + cut->count; ++k) {
+    if (holds_point(blocked_->pieces()[k].box)) return static_cast<CellIndex>(cell_count() + k);
+  }
+  return std::nullopt;
 }
 
 std::optional<BoxGraphView::NearestFree> BoxGraphView::nearest_free(const Vector3& p_W) const {
@@ -472,7 +485,26 @@ std::optional<BoxGraphView::NearestFree> BoxGraphView::nearest_free(const Vector
     }
   }
   best->distance = std::sqrt(best_squared);
+  if (blocked_ == nullptr) return best;
+  // The nearest point of the map, unless it is blocked: what lies behind an obstacle is no place to move to unasked.
+  const std::optional<CellIndex> piece = locate(best->point);
+  if (!piece) return std::nullopt;
+  best->cell = *piece;
   return best;
+}
+
+std::size_t BoxGraphView::cells_in(const IntBox& box, std::span<CellIndex> cells) const {
+  std::size_t count = 0;
+  for_each_overlapping(
+      section<BlobBox>(BlobSection::kIndex), cell_count(),
+      [&box](const IntBox& bounds) { return volume(intersection(bounds, box)) > 0; },
+      [&](std::size_t i) {
+        const auto candidate = static_cast<CellIndex>(i);
+        if (volume(intersection(cell(candidate), box)) == 0) return;
+        if (count < cells.size()) cells[count] = candidate;
+        ++count;
+      });
+  return count;
 }
 
 std::uint64_t BoxGraphView::covered_volume(const IntBox& box) const {

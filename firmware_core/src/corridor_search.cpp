@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "swiftlet/assert.hpp"
+#include "swiftlet/blocked_space.hpp"
 
 namespace swiftlet {
 namespace {
@@ -320,6 +321,14 @@ class Search {
       if (!relax(node, here, at, next, cost + distance(point, next))) return Status::kSearchCapacity;
     }
     return Status::kOk;
+    const bool all_kept =
+        visit_neighbours(graph_, static_cast<CellIndex>(here), [&](CellIndex neighbour, const IntBox& box) {
+          const auto to = static_cast<std::uint32_t>(neighbour);
+          if (to == near) return true;
+          const Point next = representative_.of(intersection(cell, box));
+          return relax(node, here, to, next, cost + distance(point, next));
+        });
+    return all_kept ? Status::kOk : Status::kSearchCapacity;
   }
 
   void relax_goal(std::uint32_t parent, float cost) {

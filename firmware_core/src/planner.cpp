@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "swiftlet/blocked_space.hpp"
 #include "swiftlet/interior_knots.hpp"
 #include "swiftlet/time_allocation.hpp"
 
@@ -61,10 +62,12 @@ std::uint64_t volume(const IntBox& box) {
   return product;
 }
 
-/// Every box lies in an extent of the path's cells, or is covered by cells: apart from how the corridor was made.
+/// Every box lies in an extent of the path's cells, or is covered by cells, and meets nothing blocked: apart from how
+/// the corridor was made.
 bool corridor_is_free(const BoxGraphView& graph, std::span<const CellIndex> cells, std::span<const IntBox> boxes) {
   std::size_t next = 0;
   for (const IntBox& box : boxes) {
+    if (graph.blocked() != nullptr && graph.blocked()->meets(box)) return false;
     std::size_t k = next;
     while (k < cells.size() && !contains(graph.extent(cells[k]), box)) ++k;
     if (k < cells.size()) {

@@ -19,6 +19,7 @@ constexpr TimeUs kLatency = 40'000;
 constexpr TimeUs kStart = 3'600 * kSecondUs;
 constexpr Real kSpeed = 1;
 constexpr Real kAcceleration = 2;
+constexpr std::uint64_t kFlights = 2 + test::kPropertyRuns / 50;
 
 PlannerStorage<Capacity{.segments = 16, .search_nodes = 64}> planner_memory;
 TrajectorySlots<16> store_memory;
@@ -84,7 +85,7 @@ TEST(Flight, TheReferenceStaysSmoothWithinItsLimitsAndFreeWhateverHappens) {
   World world;
   int accepted_in_motion = 0;
   int brakes = 0;
-  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+  for (std::uint64_t seed = 0; seed < kFlights; ++seed) {
     test::Random random(seed);
     Watch watch;
     TimeUs now = kStart;

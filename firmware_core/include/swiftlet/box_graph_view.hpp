@@ -71,6 +71,7 @@ class LandmarkRow {
  private:
   const std::byte* first_;
 };
+class BlockedSpace;
 
 /// Read-only view of a map blob (docs/map_format.md), read in place: flash, mmap or any 8-byte aligned memory that
 /// outlives the view. A view exists only if its blob was valid, so every accessor is plain and cannot leave the blob.
@@ -134,7 +135,22 @@ class BoxGraphView {
   /// `p_W` is not finite. Branch and bound: at most one visit of every index node.
   [[nodiscard]] std::optional<NearestFree> nearest_free(const Vector3& p_W) const;
 
-  /// Volume [unit^3] of `box` that is covered by cells: equal to the volume of `box` exactly when it is all free.
+  /// The same map without what `blocked` blocks (blocked_space.hpp): cell indices from cell_count() on are pieces of
+  /// cells that it cuts, `extent` and `locate` keep out of it, and neighbours are those that `visit_neighbours` finds.
+  /// nullptr: the map as it is.
+  [[nodiscard]] BoxGraphView with_blocked(const BlockedSpace* blocked) const {
+    BoxGraphView view = *this;
+    view.blocked_ = blocked;
+    return view;
+  }
+  [[nodiscard]] const BlockedSpace* blocked() const { return blocked_; }
+  /// The cell of the map that a cell or piece is of.
+  [[nodiscard]] CellIndex map_cell(CellIndex cell) const;
+  /// How many cells of the map share volume with `box`; as many as fit are written.
+  std::size_t cells_in(const IntBox& box, std::span<CellIndex> cells) const;
+
+  /// Volume [unit^3] of `box` that is covered by cells of the map, blocked or not: equal to the volume of `box` exactly
+  /// when it is all free.
   [[nodiscard]] std::uint64_t covered_volume(const IntBox& box) const;
 
  private:
@@ -151,6 +167,7 @@ class BoxGraphView {
 
   const BlobHeader* header_ = nullptr;
   double unit_ = 0;
+  const BlockedSpace* blocked_ = nullptr;
 };
 
 }  // namespace swiftlet
