@@ -19,7 +19,7 @@ constexpr TimeUs kLatency = 40'000;
 constexpr TimeUs kStart = 3'600 * kSecondUs;
 constexpr Real kSpeed = 1;
 constexpr Real kAcceleration = 2;
-constexpr std::uint64_t kFlights = 2 + test::kPropertyRuns / 50;
+constexpr std::uint64_t kFlights = 1 + test::kPropertyRuns / 100;
 
 PlannerStorage<Capacity{.segments = 16, .search_nodes = 64}> planner_memory;
 TrajectorySlots<16> store_memory;
