@@ -348,7 +348,9 @@ LandmarkRow BoxGraphView::landmarks(CellIndex a, CellIndex b) const {
   const NeighbourRange row = neighbours(low);
   NeighbourRange::Iterator at = row.begin();
   while (at.remaining() > 1 && *at != high) ++at;
-  return landmarks(low, at);
+  return LandmarkRow(record_end(low) - 2 * std::size_t{header_->landmark_count} * at.remaining());
+}
+
 CellIndex BoxGraphView::map_cell(CellIndex cell) const {
   if (to_size(cell) < cell_count()) return cell;
   return static_cast<CellIndex>(blocked_->pieces()[to_size(cell) - cell_count()].cell);

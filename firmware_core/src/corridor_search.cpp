@@ -313,14 +313,6 @@ class Search {
         at_start ? start_ : representative_.of(intersection(graph_.cell(static_cast<CellIndex>(near)), cell));
 
     if (here == goal_cell_) relax_goal(node, cost + distance(point, goal_));
-    const NeighbourRange neighbours = graph_.neighbours(static_cast<CellIndex>(here));
-    for (NeighbourRange::Iterator at = neighbours.begin(); at != neighbours.end(); ++at) {
-      const auto to = static_cast<std::uint32_t>(*at);
-      if (to == near) continue;
-      const Point next = representative_.of(intersection(cell, graph_.cell(*at)));
-      if (!relax(node, here, at, next, cost + distance(point, next))) return Status::kSearchCapacity;
-    }
-    return Status::kOk;
     const bool all_kept =
         visit_neighbours(graph_, static_cast<CellIndex>(here), [&](CellIndex neighbour, const IntBox& box) {
           const auto to = static_cast<std::uint32_t>(neighbour);
@@ -337,23 +329,18 @@ class Search {
     last_ = parent;
   }
 
-  /// [unit] no way is shorter from the window between cell `from` and the neighbour that `at` stands on, seen at
-  /// `point`, to the goal.
-  [[nodiscard]] float heuristic(std::uint32_t from, const NeighbourRange::Iterator& at, const Point& point) const {
+  /// [unit] no way is shorter from the window between two cells, seen at `point`, to the goal.
+  [[nodiscard]] float heuristic(std::uint32_t from, std::uint32_t to, const Point& point) const {
     const float straight = distance(point, goal_);
     if (!bound_.is_used()) return straight;
-    const auto cell = static_cast<CellIndex>(from);
-    return std::max(straight, bound_.of(*at > cell ? graph_.landmarks(cell, at) : graph_.landmarks(cell, *at)));
+    return std::max(straight, bound_.of(graph_.landmarks(static_cast<CellIndex>(from), static_cast<CellIndex>(to))));
   }
 
-  /// Offers a way of `cost` to the window between `from` and the neighbour that `at` stands on. False when that takes a
-  /// node and the table is full.
-  bool relax(std::uint32_t parent, std::uint32_t from, const NeighbourRange::Iterator& at, const Point& point,
-             float cost) {
-    const auto to = static_cast<std::uint32_t>(*at);
+  /// Offers a way of `cost` to the window between two cells. False when that takes a node and the table is full.
+  bool relax(std::uint32_t parent, std::uint32_t from, std::uint32_t to, const Point& point, float cost) {
     const std::uint32_t known = nodes_.find(from, to);
     if (known != kNone && cost >= nodes_[known].cost) return true;
-    const float priority = cost + weight_ * heuristic(from, at, point);
+    const float priority = cost + weight_ * heuristic(from, to, point);
     if (priority >= goal_cost_) return true;  // no part of a shorter way
     if (known == kNone || nodes_[known].position == kClosed) {
       // A window that was expanded gets a second node: the first one stays, as its children's way back.
