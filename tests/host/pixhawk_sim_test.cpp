@@ -410,12 +410,12 @@ TEST(PixhawkSim, ParametersAreListedReadAndSetWithIntegersAsBytes) {
   EXPECT_EQ(companion.parameters[0].count, count);
   mavlink::ParameterName name{};
   std::copy_n("COM_OBL_RC_ACT", 14, name.begin());
-  constexpr std::int32_t land = 4;
+  constexpr std::int32_t kLand = 4;
   companion.parameters.clear();
-  companion.send(mavlink::ParameterSet{{1, 1}, name, std::bit_cast<float>(land), 6});
+  companion.send(mavlink::ParameterSet{{1, 1}, name, std::bit_cast<float>(kLand), 6});
   companion.run(0.02);
   ASSERT_EQ(companion.parameters.size(), 1U);
-  EXPECT_EQ(std::bit_cast<std::int32_t>(companion.parameters[0].value), land);
+  EXPECT_EQ(std::bit_cast<std::int32_t>(companion.parameters[0].value), kLand);
   EXPECT_EQ(companion.sim.simulation().autopilot().parameter(ParameterIndex::kOffboardLossAction), 4);
   companion.parameters.clear();
   companion.send(mavlink::ParameterRequest{{1, 1}, name, -1});
