@@ -36,7 +36,7 @@ class Random {
   }
 
  private:
-  std::uint64_t state_ = 0;
+  std::uint64_t state_ = 1;
 };
 
 /// Shortest paths from one window.
