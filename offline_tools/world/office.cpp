@@ -12,7 +12,7 @@
 namespace swiftlet::tools {
 namespace {
 
-constexpr Voxel kSize{390, 250, 100};
+constexpr Voxel kBlock{390, 250, 100};     // an office of scale 1; larger ones are blocks side by side
 constexpr double kResolution = 0.20;       // [m]
 constexpr std::size_t kOccupied = 259237;  // paper, Sec. VI
 constexpr double kRadius = 0.30;           // [m]
@@ -29,19 +29,20 @@ constexpr std::array<int, 3> kCrossWalls{2, 2, 0};  // on each long side of a fl
 constexpr int kTopWall = 52;                        // x of the only wall on the highest floor
 constexpr int kTopWallHeight = 15;
 constexpr std::array<VoxelBox, 2> kShafts{{{{20, 90, 1}, {39, 104, 65}}, {{20, 140, 1}, {39, 154, 65}}}};
-constexpr int kDoorWidth = 6;    // 1.2 m
-constexpr int kDoorHeight = 11;  // 2.2 m
+constexpr int kDoorsBetweenBlocks = 3;  // on each floor
+constexpr int kDoorWidth = 6;           // 1.2 m
+constexpr int kDoorHeight = 11;         // 2.2 m
 constexpr Voxel kDesk{8, 4, 4};
 
 /// Between a floor and the one above, both excluded; `floor` is not the highest.
 VoxelBox storey(std::size_t floor) {
-  return {{0, 0, kFloors[floor] + 1}, {kSize[0] - 1, kSize[1] - 1, kFloors[floor + 1] - 1}};
+  return {{0, 0, kFloors[floor] + 1}, {kBlock[0] - 1, kBlock[1] - 1, kFloors[floor + 1] - 1}};
 }
 
 void build_slabs(VoxelGrid& grid) {
   for (const int z : kFloors) {
-    const int east = z == kFloors[2] ? kWestWing : kSize[0];
-    grid.fill({{0, 0, z}, {east - 1, kSize[1] - 1, z}}, true);
+    const int east = z == kFloors[2] ? kWestWing : kBlock[0];
+    grid.fill({{0, 0, z}, {east - 1, kBlock[1] - 1, z}}, true);
   }
   grid.fill(kAtrium, false);
 }
@@ -62,12 +63,12 @@ void build_rooms(VoxelGrid& grid, SplitMix64& random, std::size_t floor, bool no
   const int rooms = kCrossWalls[floor] + 1;
   int west = 0;
   for (int room = 1; room <= rooms; ++room) {
-    const int east = room == rooms ? kSize[0] : kSize[0] * room / rooms + random.between(-20, 20);
+    const int east = room == rooms ? kBlock[0] : kBlock[0] * room / rooms + random.between(-20, 20);
     if (room < rooms) {
       VoxelBox cross = storey(floor);
       cross.lo[0] = cross.hi[0] = east;
       cross.lo[1] = north ? wall : 0;
-      cross.hi[1] = north ? kSize[1] - 1 : wall;
+      cross.hi[1] = north ? kBlock[1] - 1 : wall;
       grid.fill(cross, true);
     }
     open_door(grid, 1, wall, random.between(west + 5, east - kDoorWidth - 5), kFloors[floor]);
@@ -76,9 +77,9 @@ void build_rooms(VoxelGrid& grid, SplitMix64& random, std::size_t floor, bool no
 }
 
 void build_top_wall(VoxelGrid& grid, SplitMix64& random) {
-  grid.fill({{kTopWall, 0, kFloors[2] + 1}, {kTopWall, kSize[1] - 1, kFloors[2] + kTopWallHeight}}, true);
-  open_door(grid, 0, kTopWall, random.between(5, kSize[1] / 2), kFloors[2]);
-  open_door(grid, 0, kTopWall, random.between(kSize[1] / 2, kSize[1] - kDoorWidth - 5), kFloors[2]);
+  grid.fill({{kTopWall, 0, kFloors[2] + 1}, {kTopWall, kBlock[1] - 1, kFloors[2] + kTopWallHeight}}, true);
+  open_door(grid, 0, kTopWall, random.between(5, kBlock[1] / 2), kFloors[2]);
+  open_door(grid, 0, kTopWall, random.between(kBlock[1] / 2, kBlock[1] - kDoorWidth - 5), kFloors[2]);
 }
 
 /// A stair shaft through all floors, without its stairs, with a door to the east on each floor.
@@ -100,7 +101,7 @@ bool can_stand(const VoxelGrid& grid, const VoxelBox& box) {
   return true;
 }
 
-/// Desks anywhere on the floors, the last one cut, until the office has its number of voxels.
+/// Desks anywhere on the floors, the last one cut, until the block has its number of voxels.
 void furnish(VoxelGrid& grid, SplitMix64& random) {
   for (std::size_t left = kOccupied - grid.occupied_count(); left > 0;) {
     Voxel size = kDesk;
@@ -108,7 +109,7 @@ void furnish(VoxelGrid& grid, SplitMix64& random) {
     if (left < static_cast<std::size_t>(size[0] * size[1] * size[2])) size = {1, 1, 1};
     VoxelBox place{};
     do {
-      place.lo = {random.between(0, kSize[0] - size[0]), random.between(0, kSize[1] - size[1]),
+      place.lo = {random.between(0, kBlock[0] - size[0]), random.between(0, kBlock[1] - size[1]),
                   kFloors[random.below(kFloors.size())] + 1};
       place.hi = {place.lo[0] + size[0] - 1, place.lo[1] + size[1] - 1, place.lo[2] + size[2] - 1};
     } while (!can_stand(grid, place));
@@ -123,7 +124,8 @@ void choose_main_query(World& office, SplitMix64& random) {
   const auto draw = [&](int z_low, int z_high) {
     Voxel voxel{};
     do {
-      voxel = {random.between(0, kSize[0] - 1), random.between(0, kSize[1] - 1), random.between(z_low, z_high)};
+      voxel = {random.between(0, office.grid.size()[0] - 1), random.between(0, office.grid.size()[1] - 1),
+               random.between(z_low, z_high)};
     } while (roomy[office.grid.index(voxel)] == 0);
     return voxel;
   };
@@ -146,18 +148,72 @@ void choose_main_query(World& office, SplitMix64& random) {
   }
 }
 
+/// Blocks along x and y: near a square whatever the scale.
+std::array<int, 2> blocks_along(std::size_t scale) { return {scale < 4 ? 1 : 2, scale == 1 ? 1 : scale == 8 ? 4 : 2}; }
+
+VoxelGrid build_block(SplitMix64& random) {
+  VoxelGrid block(kBlock, kResolution);
+  build_slabs(block);
+  for (const std::size_t floor : {0U, 1U}) {
+    for (const bool north : {false, true}) build_rooms(block, random, floor, north);
+  }
+  build_top_wall(block, random);
+  for (const VoxelBox& shaft : kShafts) build_shaft(block, shaft);
+  furnish(block, random);
+  return block;
+}
+
+void copy_block(const VoxelGrid& block, const Voxel& corner, VoxelGrid& grid) {
+  for (std::size_t i = 0; i < block.voxel_count(); ++i) {
+    const Voxel from = block.voxel(i);
+    const Voxel to{corner[0] + from[0], corner[1] + from[1], corner[2] + from[2]};
+    if (block.occupied(from)) grid.fill({to, to}, true);
+  }
+}
+
+/// A wall across the rooms on both long sides of every block; the middle stays open from block to block.
+void part_rooms(VoxelGrid& grid, int x) {
+  for (int block_low = 0; block_low < grid.size()[1]; block_low += kBlock[1]) {
+    for (const std::size_t floor : {0U, 1U}) {
+      VoxelBox wall = storey(floor);
+      wall.lo[0] = wall.hi[0] = x;
+      wall.lo[1] = block_low;
+      wall.hi[1] = block_low + kSouthWall;
+      grid.fill(wall, true);
+      wall.lo[1] = block_low + kNorthWall;
+      wall.hi[1] = block_low + kBlock[1] - 1;
+      grid.fill(wall, true);
+    }
+  }
+}
+
+/// A wall between rooms back to back, with a few doors a block.
+void part_blocks(VoxelGrid& grid, SplitMix64& random, int y) {
+  for (int block_low = 0; block_low < grid.size()[0]; block_low += kBlock[0]) {
+    for (const std::size_t floor : {0U, 1U}) {
+      VoxelBox wall = storey(floor);
+      wall.lo[0] = block_low;
+      wall.hi[0] = block_low + kBlock[0] - 1;
+      wall.lo[1] = wall.hi[1] = y;
+      grid.fill(wall, true);
+      for (int door = 0; door < kDoorsBetweenBlocks; ++door) {
+        open_door(grid, 1, y, random.between(wall.lo[0] + 5, wall.hi[0] - kDoorWidth - 5), kFloors[floor]);
+      }
+    }
+  }
+}
+
 }  // namespace
 
-World make_office(std::uint64_t seed) {
+World make_office(std::uint64_t seed, std::size_t scale) {
   SplitMix64 random(seed);
-  World office{VoxelGrid(kSize, kResolution), kRadius, {}, {}};
-  build_slabs(office.grid);
-  for (const std::size_t floor : {0U, 1U}) {
-    for (const bool north : {false, true}) build_rooms(office.grid, random, floor, north);
+  const std::array<int, 2> blocks = blocks_along(scale);
+  World office{VoxelGrid({blocks[0] * kBlock[0], blocks[1] * kBlock[1], kBlock[2]}, kResolution), kRadius, {}, {}};
+  for (int y = 0; y < blocks[1]; ++y) {
+    for (int x = 0; x < blocks[0]; ++x) copy_block(build_block(random), {x * kBlock[0], y * kBlock[1], 0}, office.grid);
   }
-  build_top_wall(office.grid, random);
-  for (const VoxelBox& shaft : kShafts) build_shaft(office.grid, shaft);
-  furnish(office.grid, random);
+  for (int x = 1; x < blocks[0]; ++x) part_rooms(office.grid, x * kBlock[0]);
+  for (int y = 1; y < blocks[1]; ++y) part_blocks(office.grid, random, y * kBlock[1]);
   choose_main_query(office, random);
   return office;
 }

@@ -1,7 +1,5 @@
 #include "world/voxel_grid.hpp"
 
-#include <octomap/OcTree.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -25,6 +23,76 @@ std::vector<Voxel> offsets_within(double distance, double resolution) {
     }
   }
   return offsets;
+}
+
+// --- .bt: two bits a node, children after their parent; a cube of one kind is one node ---
+
+constexpr std::size_t kOctreeDepth = 16;
+enum NodeCode : std::uint8_t { kNothing = 0, kFreeLeaf = 1, kOccupiedLeaf = 2, kInner = 3 };
+
+/// The codes of all cubes of one size that reach into the grid.
+struct OctreeLevel {
+  Voxel size;
+  std::vector<std::uint8_t> codes;
+
+  [[nodiscard]] NodeCode code(const Voxel& cube) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (cube[axis] >= size[axis]) return kNothing;
+    }
+    const int number = (cube[2] * size[1] + cube[1]) * size[0] + cube[0];
+    return static_cast<NodeCode>(codes[static_cast<std::size_t>(number)]);
+  }
+};
+
+Voxel child_of(const Voxel& cube, int child) {
+  return {2 * cube[0] + (child & 1), 2 * cube[1] + (child >> 1 & 1), 2 * cube[2] + (child >> 2)};
+}
+
+/// Like its children when they are all alike, else inner.
+NodeCode joined_code(const OctreeLevel& children, const Voxel& cube) {
+  const NodeCode first = children.code(child_of(cube, 0));
+  for (int child = 1; child < 8; ++child) {
+    if (children.code(child_of(cube, child)) != first) return kInner;
+  }
+  return first;
+}
+
+/// Level i holds cubes of 2^i voxels, from the grid's low corner on; the last one is the octant of OctoMap's root that
+/// lies above the origin of frame W.
+std::vector<OctreeLevel> octree_levels(const VoxelGrid& grid) {
+  std::vector<OctreeLevel> levels{{grid.size(), {}}};
+  for (std::size_t i = 0; i < grid.voxel_count(); ++i) {
+    levels[0].codes.push_back(grid.occupied(grid.voxel(i)) ? kOccupiedLeaf : kFreeLeaf);
+  }
+  while (levels.size() < kOctreeDepth) {
+    const OctreeLevel& finer = levels.back();
+    OctreeLevel level{{(finer.size[0] + 1) / 2, (finer.size[1] + 1) / 2, (finer.size[2] + 1) / 2}, {}};
+    for (int z = 0; z < level.size[2]; ++z) {
+      for (int y = 0; y < level.size[1]; ++y) {
+        for (int x = 0; x < level.size[0]; ++x) level.codes.push_back(joined_code(finer, {x, y, z}));
+      }
+    }
+    levels.push_back(std::move(level));
+  }
+  return levels;
+}
+
+/// Appends an inner node and all below it; returns how many nodes those are, leaves included.
+std::size_t write_node(const std::vector<OctreeLevel>& levels, std::size_t level, const Voxel& cube,
+                       std::string& nodes) {
+  unsigned codes = 0;
+  for (int child = 0; child < 8; ++child) {
+    codes |= unsigned{levels[level - 1].code(child_of(cube, child))} << static_cast<unsigned>(2 * child);
+  }
+  nodes += static_cast<char>(codes & 255U);
+  nodes += static_cast<char>(codes >> 8U);
+  std::size_t count = 1;
+  for (int child = 0; child < 8; ++child) {
+    const unsigned code = codes >> static_cast<unsigned>(2 * child) & 3U;
+    if (code == kInner) count += write_node(levels, level - 1, child_of(cube, child), nodes);
+    if (code == kFreeLeaf || code == kOccupiedLeaf) ++count;
+  }
+  return count;
 }
 
 }  // namespace
@@ -87,25 +155,14 @@ std::vector<std::uint8_t> voxels_with_clearance(const VoxelGrid& grid, double di
 }
 
 std::string to_bt(const VoxelGrid& grid) {
-  constexpr bool kLazy = true;             // inner nodes are updated once, at the end
-  constexpr unsigned kOrigin = 1U << 15U;  // OctoMap's key of the voxel above the origin
-  octomap::OcTree tree(grid.resolution());
-  for (std::size_t i = 0; i < grid.voxel_count(); ++i) {
-    const Voxel voxel = grid.voxel(i);
-    const auto key = [&](std::size_t axis) {
-      return static_cast<octomap::key_type>(kOrigin + static_cast<unsigned>(voxel[axis]));
-    };
-    tree.updateNode(octomap::OcTreeKey(key(0), key(1), key(2)), grid.occupied(voxel), kLazy);
-  }
-  tree.updateInnerOccupancy();
-  tree.toMaxLikelihood();
-  tree.prune();
-  std::ostringstream bytes;  // what OcTree::writeBinary writes, without its chatter on the terminal
-  bytes
+  const std::vector<OctreeLevel> levels = octree_levels(grid);
+  std::string nodes("\0\xC0", 2);  // the root: its last child alone is there, an inner node
+  const std::size_t node_count = 1 + write_node(levels, kOctreeDepth - 1, {0, 0, 0}, nodes);
+  std::ostringstream header;
+  header
       << "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
-      << "id OcTree\nsize " << tree.size() << "\nres " << grid.resolution() << "\ndata\n";
-  tree.writeBinaryNode(bytes, tree.getRoot());
-  return bytes.str();
+      << "id OcTree\nsize " << node_count << "\nres " << grid.resolution() << "\ndata\n";
+  return header.str() + nodes;
 }
 
 }  // namespace swiftlet::tools

@@ -34,8 +34,9 @@ World make_classroom(std::uint64_t seed);
 
 /// A building after the paper's office (Sec. VI): 390 x 250 x 100 voxels of 0.20 m, 259,237 occupied. Three floors, the
 /// highest over the west wing alone, around an atrium; rooms with doors on both long sides, two stair shafts, desks.
-/// The main query climbs from the ground floor by a voxel path of about 42 m.
-World make_office(std::uint64_t seed);
+/// The main query climbs from the ground floor by a voxel path of about 42 m. `scale` (1, 2, 4 or 8) is
+/// how many such buildings stand wall to wall, with doors between them.
+World make_office(std::uint64_t seed, std::size_t scale = 1);
 
 /// 240 trunks of 0.2 to 1 m on 40 x 40 m, 5 m high, in voxels of 0.20 m; the main query runs from corner to corner.
 World make_forest(std::uint64_t seed);

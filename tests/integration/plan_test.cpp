@@ -396,7 +396,14 @@ TEST_F(Program, WorldsComeOutTheSameForTheSameSeedAndOnlyThoseThatExist) {
   EXPECT_TRUE(refused(world("moon", "1", "d"), 2, {"moon", "maze"}));
   EXPECT_TRUE(refused(world("maze", "-1", "d"), 2, {"--seed"}));
   EXPECT_TRUE(refused(world("maze", "1.5", "d"), 2, {"--seed"}));
+  const auto scaled = [&](const std::string& kind, const std::string& scale) {
+    return swiftlet({"world", kind, "--seed", "1", "--scale", scale, "-o", path("d.bt")});
+  };
+  EXPECT_TRUE(refused(scaled("maze", "2"), 2, {"--scale", "office", "maze"}));
+  EXPECT_TRUE(refused(scaled("office", "3"), 2, {"--scale", "3", "1, 2, 4 and 8"}));
+  EXPECT_TRUE(refused(scaled("office", "x"), 2, {"--scale", "x"}));
   EXPECT_FALSE(std::filesystem::exists(path("d.bt")));
+  EXPECT_EQ(scaled("maze", "1").status, 0);
 }
 
 TEST_F(Program, EveryQueryOfTheGeneratedWorldsGetsATrajectory) {

@@ -2,6 +2,7 @@
 #include <octomap/OcTree.h>
 
 #include <cmath>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -61,6 +62,23 @@ TEST(World, TheOfficeHasThePapersSizeAndAMainQueryOfItsLengthToAHigherFloor) {
     EXPECT_GT(office.main_goal[2], 25) << seed;
     EXPECT_NEAR(*VoxelPathFinder(office.grid, office.radius).shortest(office.main_start, office.main_goal), 42, 1);
   }
+}
+
+TEST(World, AnOfficeOfTwiceTheAreaHasWaysBetweenItsTwoBuildings) {
+  const World office = make_office(1, 2);
+  EXPECT_EQ(office.grid.size(), (Voxel{390, 500, 100}));
+  EXPECT_GE(office.grid.occupied_count(), 2 * 259'237U);
+  EXPECT_LE(office.grid.occupied_count(), 2 * 259'237U + 390 * 48);  // the wall between them
+  const std::vector<std::uint8_t> roomy = roomy_voxels(office.grid, office.radius);
+  const auto share = [&](int y_low, int y_high) {
+    double connected = 0;
+    for (int y = y_low; y < y_high; ++y) {
+      for (int x = 0; x < 390; ++x) connected += roomy[office.grid.index({x, y, 10})];
+    }
+    return connected / (390 * (y_high - y_low));
+  };
+  EXPECT_GT(share(0, 250), 0.8);  // of the air at 2 m, less walls and what is near them
+  EXPECT_GT(share(250, 500), 0.8);
 }
 
 TEST(World, TheForestHasTrunksFromGroundToTopAndAMainQueryFromCornerToCorner) {
@@ -127,6 +145,65 @@ TEST(World, QueriesCsvHasOneLineAQueryBelowTheHeader) {
   EXPECT_EQ(csv.substr(0, csv.find('\n')), "x0,y0,z0,x1,y1,z1,euclid_m,astar_m");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 101);
   EXPECT_NE(csv.find("\n0.480,0.480,0.800,3.680,2.720,0.800,"), std::string::npos);
+}
+
+/// Dijkstra's algorithm as the contract words it, by looking at every step: 26 neighbours, and no voxel of the box that
+/// a step crosses may be blocked.
+std::optional<double> plain_shortest(const VoxelGrid& grid, const std::vector<bool>& blocked, const Voxel& from,
+                                     const Voxel& to) {
+  std::set<std::pair<double, std::size_t>> open{{0, grid.index(from)}};
+  std::vector<double> cost(grid.voxel_count(), 1e9);
+  cost[grid.index(from)] = 0;
+  if (blocked[grid.index(from)]) return std::nullopt;
+  while (!open.empty()) {
+    const auto [so_far, index] = *open.begin();
+    open.erase(open.begin());
+    if (index == grid.index(to)) return so_far * grid.resolution();
+    const Voxel v = grid.voxel(index);
+    for (int step = 0; step < 27; ++step) {
+      const Voxel next{v[0] + step % 3 - 1, v[1] + step / 3 % 3 - 1, v[2] + step / 9 - 1};
+      if (!grid.contains(next)) continue;
+      bool is_free = true;
+      for (int corner = 0; corner < 8; ++corner) {
+        const auto either = [&](std::size_t axis) { return (corner >> axis & 1) != 0 ? next[axis] : v[axis]; };
+        is_free = is_free && !blocked[grid.index({either(0), either(1), either(2)})];
+      }
+      const double length = so_far + std::hypot(next[0] - v[0], next[1] - v[1], next[2] - v[2]);
+      if (!is_free || length >= cost[grid.index(next)] - 1e-12) continue;
+      cost[grid.index(next)] = length;
+      open.emplace(length, grid.index(next));
+    }
+  }
+  return std::nullopt;
+}
+
+TEST(VoxelPath, IsAsLongAsThePathOfAPlainSearchThatTriesEveryStep) {
+  SplitMix64 random(7);
+  const Voxel size{9, 8, 7};
+  const auto draw = [&] { return Voxel{random.between(0, 8), random.between(0, 7), random.between(0, 6)}; };
+  int joined = 0;
+  for (int world = 0; world < 100; ++world) {
+    VoxelGrid grid(size, 0.25);
+    for (int cubes = random.between(0, 120); cubes > 0; --cubes) {
+      const Voxel voxel = draw();
+      grid.fill({voxel, voxel}, true);
+    }
+    const double radius = world % 3 == 0 ? 0.2 : 0.1;
+    std::vector<bool> blocked(grid.voxel_count());
+    for (std::size_t i = 0; i < grid.voxel_count(); ++i) blocked[i] = clearance(grid, grid.voxel(i)) < radius - 1e-9;
+    VoxelPathFinder finder(grid, radius);
+    for (int query = 0; query < 5; ++query) {
+      const Voxel from = draw();
+      const Voxel to = draw();
+      const std::optional<double> expected = plain_shortest(grid, blocked, from, to);
+      const std::optional<double> found = finder.shortest(from, to);
+      ASSERT_EQ(found.has_value(), expected.has_value()) << world;
+      if (!expected) continue;
+      EXPECT_NEAR(*found, *expected, 1e-8) << world;
+      ++joined;
+    }
+  }
+  EXPECT_GT(joined, 200);
 }
 
 TEST(VoxelPath, GoesRoundAWallWithoutCuttingItsCorner) {
