@@ -1,9 +1,10 @@
 #pragma once
 #include "swiftlet/storage.hpp"
 
-namespace swiftlet {
+/// A companion computer of the Raspberry Pi or Jetson class, with 1 GiB of memory to spare.
+namespace swiftlet::inline linux_aarch64 {
 
-/// A companion computer of the Raspberry Pi or Jetson class.
 inline constexpr Capacity kBoard{.segments = 512, .search_nodes = 262'144};
+inline constexpr BoardMemory kBoardMemory{.map_bytes = 1U << 29, .planner_bytes = 1U << 29};
 
-}  // namespace swiftlet
+}  // namespace swiftlet::inline linux_aarch64

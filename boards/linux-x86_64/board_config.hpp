@@ -1,9 +1,10 @@
 #pragma once
 #include "swiftlet/storage.hpp"
 
-namespace swiftlet {
+/// A desktop or a companion PC, with 4 GiB of memory to spare.
+namespace swiftlet::inline linux_x86_64 {
 
-/// A desktop or a companion PC.
 inline constexpr Capacity kBoard{.segments = 512, .search_nodes = 4'194'304};
+inline constexpr BoardMemory kBoardMemory{.map_bytes = 1U << 31, .planner_bytes = 1U << 31};
 
-}  // namespace swiftlet
+}  // namespace swiftlet::inline linux_x86_64

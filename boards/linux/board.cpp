@@ -5,9 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "board_config.hpp"
 #include "swiftlet/hal/stdout_console.hpp"
 
 namespace swiftlet::board {
+
+static_assert(sizeof(PlannerStorage<kBoard>) <= kBoardMemory.planner_bytes);
 
 hal::Console& console() {
   static hal::StdoutConsole stdout_console;

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "devices.hpp"
+#include "board_config.hpp"
 #include "semihosting.hpp"
 #include "swiftlet/assert.hpp"
 #include "swiftlet/hal/cmsdk_clock.hpp"
@@ -27,6 +28,8 @@ hal::CmsdkUart& uart1() {
   return uart;
 }
 
+static_assert(sizeof(PlannerStorage<kBoard>) <= kBoardMemory.planner_bytes);
+
 }  // namespace
 
 hal::Console& console() {
@@ -34,7 +37,11 @@ hal::Console& console() {
   return uart;
 }
 
-std::span<const std::byte> map_region(const char* /*path*/) { return {map_region_begin, map_region_end}; }
+std::span<const std::byte> map_region(const char* /*path*/) {
+  const std::span<const std::byte> region{map_region_begin, map_region_end};
+  SWIFTLET_ASSERT(region.size() == kBoardMemory.map_bytes);  // the linker script and the board's promise agree
+  return region;
+}
 
 hal::Clock& clock() {
   static hal::CmsdkClock timer(kTimer0, kPeripheralHz);

@@ -112,6 +112,18 @@ std::string note_on(const MapReport& report) {
   return report.largest_component < kGoodShare ? advice_on_pieces(report) : "";
 }
 
+/// "holds it in 8.0 % of its map memory; a search reaches 34.6 % of the windows".
+std::string describe_fit(const BoardFit& board, std::size_t blob_bytes) {
+  const double share = 100 * static_cast<double>(blob_bytes) / static_cast<double>(board.memory.map_bytes);
+  if (!board.holds_map) {
+    return "too small: its map memory has " + std::to_string(board.memory.map_bytes) + " bytes; try --coarsen";
+  }
+  return "holds it in " + to_text(share, 1) + " % of its map memory; a search reaches " +
+         (board.search_share < 1 ? "up to " + std::to_string(board.capacity.search_nodes) + " windows, " +
+                                       to_text(100 * board.search_share, 1) + " % of them"
+                                 : "every window");
+}
+
 /// The short table for people.
 void print_report(const MapReport& report) {
   const auto& b = report.bounds;
@@ -134,6 +146,7 @@ void print_report(const MapReport& report) {
     print_row("largest", to_text(100 * report.largest_component, 1) + " % of the free space, around (" +
                              to_text({p[0], p[1], p[2]}) + ")");
   }
+  for (const BoardFit& board : report.boards) print_row(board.name.c_str(), describe_fit(board, report.blob_bytes));
   if (const std::string note = note_on(report); !note.empty()) print_row("note", note);
 }
 

@@ -43,6 +43,19 @@ std::size_t landmark_bytes(const BoxGraphView& view) {
 constexpr std::array<const char*, kBlobSectionCount> kSectionNames{"cells",      "record_offsets", "records",
                                                                    "components", "index",          "obstacles"};
 
+nlohmann::ordered_json boards_json(const std::vector<BoardFit>& boards) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const BoardFit& board : boards) {
+    list.push_back({{"name", board.name},
+                    {"map_bytes", board.memory.map_bytes},
+                    {"holds_map", board.holds_map},
+                    {"segments", board.capacity.segments},
+                    {"search_nodes", board.capacity.search_nodes},
+                    {"search_share", board.search_share}});
+  }
+  return list;
+}
+
 }  // namespace
 
 const char* describe(UnknownPolicy policy) {
@@ -81,6 +94,7 @@ MapReport map_info(const BoxGraphView& view) {
   report.lost_to_coarsening = unit_volume * static_cast<double>(header.lost_to_coarsening);
   report.worst_loss = std::sqrt(3.0) * view.unit();
   report.components = header.component_count;
+  report.boards = fit_to_boards(report.blob_bytes, report.windows);
 
   std::uint64_t free_units = 0;
   std::vector<std::uint64_t> component_units(header.component_count);
@@ -149,6 +163,7 @@ nlohmann::ordered_json map_report_json(const MapReport& report) {
           {"section_bytes", sections},
           {"landmarks", report.landmarks},
           {"default_search", report.searched_over_centres ? "landmarks" : "line"},
+          {"boards", boards_json(report.boards)},
           {"source_sha256", report.source_sha256}};
 }
 

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include "map/board_fit.hpp"
 #include "swiftlet/box_graph_view.hpp"
 
 namespace swiftlet::tools {
@@ -37,6 +39,7 @@ struct MapReport {
   std::size_t components = 0;
   double largest_component = 0;                     ///< share of the free volume, 0 to 1
   std::array<double, 3> largest_component_point{};  ///< a free point of it; zero without cells
+  std::vector<BoardFit> boards;                     ///< which of them can hold the map
 };
 
 /// Everything that the blob alone can tell.

@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <random>
+#include <set>
 
+#include "board_config.hpp"
+#include "map/board_fit.hpp"
 #include "map/obstacles.hpp"
 #include "map_test_worlds.hpp"
 #include "swiftlet/box_graph_view.hpp"
@@ -296,6 +301,37 @@ TEST(MapBuilder, TheReportHasTheFieldsOfTheContract) {
   EXPECT_EQ(json["source"], "world");
   EXPECT_EQ(json["unknown"], "avoid");
   EXPECT_EQ(json["free_m3"], 6);
+}
+
+TEST(BoardFit, KnowsEveryFolderBelowBoardsAndItsOwnBoardsPromises) {
+  std::set<std::string> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(SWIFTLET_SOURCE_DIR "/boards")) {
+    if (std::filesystem::exists(entry.path() / "board_config.hpp")) folders.insert(entry.path().filename().string());
+  }
+  std::set<std::string> names;
+  for (const BoardFit& board : fit_to_boards(0, 0)) {
+    names.insert(board.name);
+    EXPECT_TRUE(board.holds_map);
+    EXPECT_EQ(board.search_share, 1);
+    if (board.name != "linux-x86_64") continue;
+    EXPECT_EQ(board.capacity.search_nodes, kBoard.search_nodes);
+    EXPECT_EQ(board.memory.map_bytes, kBoardMemory.map_bytes);
+  }
+  EXPECT_EQ(names, folders);
+}
+
+TEST(BoardFit, HoldsAMapOfItsRegionsSizeAndNoByteMoreAndSearchesAShareOfTooManyWindows) {
+  for (const BoardFit& board : fit_to_boards(0, 0)) {
+    const auto fit = [&](std::uint64_t bytes, std::uint64_t windows) {
+      const std::vector<BoardFit> fits = fit_to_boards(bytes, windows);
+      return *std::find_if(fits.begin(), fits.end(), [&](const BoardFit& other) { return other.name == board.name; });
+    };
+    const std::uint64_t nodes = board.capacity.search_nodes;
+    EXPECT_TRUE(fit(board.memory.map_bytes, nodes).holds_map);
+    EXPECT_EQ(fit(board.memory.map_bytes, nodes).search_share, 1);
+    EXPECT_FALSE(fit(board.memory.map_bytes + 1, nodes).holds_map);
+    EXPECT_EQ(fit(0, 4 * nodes).search_share, 0.25);
+  }
 }
 
 TEST(Obstacles, ComeBackAsTheOccupiedVoxelsAndNothingElse) {

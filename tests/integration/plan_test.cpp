@@ -264,7 +264,14 @@ TEST_F(Program, MapReportsAgreeBetweenBuildAndInfo) {
     EXPECT_GT(report["free_m3"].get<double>(), 3.0);
     EXPECT_GT(report["largest_component"].get<double>(), 0.5);
     EXPECT_LT(report["largest_component"].get<double>(), 0.6);
+    ASSERT_GE(report["boards"].size(), 3U);
+    for (const Json& board : report["boards"]) {
+      EXPECT_EQ(board["holds_map"], true) << board;
+      EXPECT_EQ(board["search_share"], 1) << board;
+    }
   }
+  EXPECT_EQ(built["boards"], info["boards"]);
+  EXPECT_NE(run.err.find("mps2-an500"), std::string::npos);
   EXPECT_EQ(built["crc32"], info["crc32"]);
   EXPECT_EQ(built["crc32"], planned(kLeft, kLeftToo)["map"]["crc32"]);
 }

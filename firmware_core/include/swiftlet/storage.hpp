@@ -14,6 +14,12 @@ struct Capacity {
   std::size_t search_nodes;  ///< windows that one search may reach
 };
 
+/// Where a board keeps a map and a planner; stated beside its Capacity, the whole of both budgets.
+struct BoardMemory {
+  std::uint64_t map_bytes;      ///< of the region that holds the map blob
+  std::uint64_t planner_bytes;  ///< of data memory, for PlannerStorage
+};
+
 /// Rows active at once on one axis: every junction against its gate, and a few extrema.
 constexpr std::size_t active_rows(std::size_t segments) { return segments + 16; }
 

@@ -94,6 +94,16 @@ function bytes_card(map) {
   ]);
 }
 
+function boards_card(map) {
+  if (!map.boards?.length) return null;
+  const reach = ({ search_nodes: nodes, search_share: share }) => (share < 1 ? `${count(nodes)} (${percent(share)})` : 'all');
+  const rows = map.boards.map((board) => html`<tr><td>${board.name}</td><td>${board.holds_map ? 'holds it' : 'too small'}</td>
+    <td>${size_of(board.map_bytes).value} ${size_of(board.map_bytes).unit}</td><td>${reach(board)}</td></tr>`);
+  return html`<section class="card wide"><h3>Boards</h3><div class="scroll"><table class="list">
+    <thead><tr><th>board</th><th>the map</th><th>memory for maps</th><th>windows that a search may reach</th></tr></thead>
+    <tbody>${rows}</tbody></table></div></section>`;
+}
+
 function components_card(map, components) {
   if (!components.length) return null;
   const rows = components.map(({ label, cells, free_m3, share }, rank) => html`<tr><td><i class="swatch" style="background:${kComponentColours[rank]}"></i>${label}</td>
@@ -107,7 +117,7 @@ function components_card(map, components) {
 
 export function map_numbers(report) {
   const { map, components } = report;
-  return html`<div class="cards">${source_card(map)}${space_card(map)}${graph_card(report)}${bytes_card(map)}${components_card(map, components)}</div>`;
+  return html`<div class="cards">${source_card(map)}${space_card(map)}${graph_card(report)}${bytes_card(map)}${boards_card(map)}${components_card(map, components)}</div>`;
 }
 
 /// What there is to say about the chosen cell, in one line, with the colours in which it is drawn.

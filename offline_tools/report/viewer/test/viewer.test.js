@@ -190,6 +190,7 @@ test('a map has its page, fields or not', () => {
   assert.ok(!map_numbers(report).text.includes('largest first'));
   report.cells = { ...report.cells, count: 12345 };
   report.map = { components: 3, section_bytes: { record_offsets: 1234 } };
+  report.map.boards = [{ name: 'tiny', map_bytes: 2e6, holds_map: false, search_nodes: 1500, search_share: 0.25 }];
   const text = map_numbers(report).text;
-  for (const part of ['largest first', 'record offsets', '1,234', 'and 1 smaller one', '90.91 %']) assert.ok(text.includes(part), part);
+  for (const part of ['tiny', 'too small', '2.00 MB', '1,500 (25.0 %)', 'largest first', 'record offsets', '1,234', 'and 1 smaller one', '90.91 %']) assert.ok(text.includes(part), part);
 });
