@@ -17,6 +17,7 @@
 #include "cli/json.hpp"
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
+#include "map/alternatives.hpp"
 #include "map/audit.hpp"
 #include "map/landmarks.hpp"
 #include "map/map_builder.hpp"
@@ -31,7 +32,6 @@ namespace {
 constexpr double kLargestRadius = 100;          // [m]
 constexpr NumberRange kResolutions{1e-3, 100};  // [m]
 constexpr std::uint64_t kLargestCoarsening = 256;
-constexpr double kGoodShare = 0.9;  // of the free space in the largest component
 
 struct BuildCommand {
   std::string in;
@@ -96,14 +96,22 @@ class ProgressLine {
 
 void print_row(const char* name, const std::string& value) { std::fprintf(stderr, "%-14s %s\n", name, value.c_str()); }
 
-/// What the other policies would change, when the free space falls into pieces.
+/// What would join the free space that falls into pieces, as far as it was tried.
 std::string advice_on_pieces(const MapReport& report) {
-  const std::string pieces = "under 90 % of the free space hangs together";
-  if (report.unknown != UnknownPolicy::kFree && report.lost_to_unknown > 0) {
-    return pieces + "; '--unknown free' gives back " + to_text(report.lost_to_unknown, 1) +
-           " m^3 where unseen space is safe";
+  const std::string pieces =
+      "only " + to_text(100 * report.largest_component, 1) + " % of the free space hangs together";
+  if (report.alternatives.empty()) return pieces + "; 'swiftlet map build' says what would connect it";
+  const Alternative& last = report.alternatives.back();
+  if (last.largest_component >= kGoodShare) {
+    const bool trusts = last.option == "--unknown free";
+    return pieces + "; with " + last.option + " it is " + to_text(100 * last.largest_component, 1) + " %" +
+           (trusts ? ", for where unseen space is safe" : "");
   }
-  return pieces + "; a smaller --radius connects more";
+  std::string tried;
+  for (const Alternative& other : report.alternatives) {
+    tried += (tried.empty() ? "" : ", ") + other.option + " (" + to_text(100 * other.largest_component, 1) + " %)";
+  }
+  return pieces + "; tried without connecting 90 %: " + tried;
 }
 
 /// What to know about a map before anything else; empty when all is well.
@@ -161,6 +169,12 @@ BuiltMap build(const BuildCommand& command, const VoxelMap& source) {
                           [&](std::string_view stage, double done) { line.show(stage, done); }));
 }
 
+std::vector<Alternative> alternatives_to(const BuildCommand& command, const VoxelMap& source) {
+  ProgressLine line;
+  return try_alternatives(source, command.in, command.build,
+                          [&](std::string_view stage, double done) { line.show(stage, done); });
+}
+
 /// A map that does not keep its promises is never written.
 void check_built(const BuiltMap& built, const VoxelMap& source) {
   const Result<BoxGraphView> graph = BoxGraphView::open(built.blob);  // build_map has opened it before
@@ -174,9 +188,12 @@ void check_built(const BuiltMap& built, const VoxelMap& source) {
 ExitStatus run_build(const BuildCommand& command) {
   check_outputs({command.out, command.json}, {command.in});
   const VoxelMap source = unwrap(read_octree(command.in));
-  const BuiltMap built = build(command, source);
+  BuiltMap built = build(command, source);
   if (!command.no_verify) check_built(built, source);
   write_output(command.out, {reinterpret_cast<const char*>(built.blob.data()), built.blob.size()});
+  if (built.report.cells > 0 && built.report.largest_component < kGoodShare) {
+    built.report.alternatives = alternatives_to(command, source);
+  }
   write_output(command.json, dump(map_report_json(built.report)) + '\n');
   print_report(built.report);
   return ExitStatus::kDone;

@@ -140,6 +140,10 @@ nlohmann::ordered_json map_report_json(const MapReport& report) {
   sections["header_and_padding"] = report.blob_bytes - section_sum;
   const double degree_mean =
       report.cells == 0 ? 0 : 2 * static_cast<double>(report.windows) / static_cast<double>(report.cells);
+  nlohmann::ordered_json alternatives = nlohmann::ordered_json::array();
+  for (const Alternative& other : report.alternatives) {
+    alternatives.push_back({{"option", other.option}, {"largest_component", other.largest_component}});
+  }
   return {{"format", "swiftlet-map/1"},
           {"source", report.source},
           {"crc32", report.crc32},
@@ -164,6 +168,7 @@ nlohmann::ordered_json map_report_json(const MapReport& report) {
           {"landmarks", report.landmarks},
           {"default_search", report.searched_over_centres ? "landmarks" : "line"},
           {"boards", boards_json(report.boards)},
+          {"alternatives", alternatives},
           {"source_sha256", report.source_sha256}};
 }
 

@@ -11,6 +11,12 @@
 
 namespace swiftlet::tools {
 
+/// What one changed option would do to a map in pieces (alternatives.hpp).
+struct Alternative {
+  std::string option;            ///< as on the command line, "--unknown free"
+  double largest_component = 0;  ///< share of the free volume, 0 to 1
+};
+
 /// What there is to say about a map (contract.md, `swiftlet-map/1`, and more). Lengths in metres, frame W.
 struct MapReport {
   std::string source;         ///< path that the map was built from; its digest where only the blob is known
@@ -40,6 +46,7 @@ struct MapReport {
   double largest_component = 0;                     ///< share of the free volume, 0 to 1
   std::array<double, 3> largest_component_point{};  ///< a free point of it; zero without cells
   std::vector<BoardFit> boards;                     ///< which of them can hold the map
+  std::vector<Alternative> alternatives;            ///< tried on a map in pieces while its source was at hand
 };
 
 /// Everything that the blob alone can tell.
