@@ -68,7 +68,7 @@ struct ImportCommand {
   bool origin_rays = false;
 };
 
-/// One line that is written over, on a terminal, and gone with this object; nothing elsewhere.
+/// A bar on one line that is written over, on a terminal, and gone with this object; nothing elsewhere.
 class ProgressLine {
  public:
   ProgressLine() = default;
@@ -83,7 +83,8 @@ class ProgressLine {
     stage_ = stage;
     percent_ = percent;
     shown_ = true;
-    std::fprintf(stderr, "\r\033[K%s %d %%", stage_.c_str(), percent);
+    const std::string bar(static_cast<std::size_t>(percent / 5), '#');
+    std::fprintf(stderr, "\r\033[K%-22s [%-20s] %3d %%", stage_.c_str(), bar.c_str(), percent);
     std::fflush(stderr);
   }
 
@@ -114,9 +115,17 @@ std::string advice_on_pieces(const MapReport& report) {
   return pieces + "; tried without connecting 90 %: " + tried;
 }
 
+std::string note_on_nothing(const MapReport& report) {
+  if (report.lost_to_unknown > 0) {
+    return "nothing is free; --unknown free gives " + to_text(report.lost_to_unknown, 2) +
+           " m^3, for where unseen space is safe";
+  }
+  return "nothing is free; a smaller --radius may help";
+}
+
 /// What to know about a map before anything else; empty when all is well.
 std::string note_on(const MapReport& report) {
-  if (report.cells == 0) return "nothing is free; a smaller --radius or another --unknown may help";
+  if (report.cells == 0) return note_on_nothing(report);
   return report.largest_component < kGoodShare ? advice_on_pieces(report) : "";
 }
 
@@ -224,11 +233,16 @@ ExitStatus run_info(const InfoCommand& command) {
   return ExitStatus::kDone;
 }
 
+std::vector<std::byte> to_octree(const PointCloud& cloud, const ImportCommand& command) {
+  ProgressLine line;
+  return unwrap(octree_of(cloud, command.cloud, command.resolution, command.origin_rays,
+                          [&](std::string_view stage, double done) { line.show(stage, done); }));
+}
+
 ExitStatus run_import(const ImportCommand& command) {
   check_outputs({command.out}, {command.cloud});
   const PointCloud cloud = unwrap(read_point_cloud(command.cloud));
-  const std::vector<std::byte> octree =
-      unwrap(octree_of(cloud, command.cloud, command.resolution, command.origin_rays));
+  const std::vector<std::byte> octree = to_octree(cloud, command);
   write_output(command.out, {reinterpret_cast<const char*>(octree.data()), octree.size()});
   print_line(command.cloud + ": " + std::to_string(cloud.points.size()) + " points" +
              (cloud.dropped > 0 ? ", " + std::to_string(cloud.dropped) + " without numbers dropped" : "") +

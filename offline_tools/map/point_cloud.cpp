@@ -414,7 +414,7 @@ Expected<PointCloud> parse_point_cloud(const std::string& name, std::span<const 
   } else if (ends_with(".xyz")) {
     failure = parse_xyz(text, cloud);
   } else {
-    failure = "is none of .ply, .pcd, .xyz; convert it (a .las with `pdal translate IN.las OUT.ply`)";
+    failure = "is none of .ply, .pcd, .xyz; convert it (a .las as docs/import.md says)";
   }
   if (failure.empty() && cloud.points.empty()) failure = "holds no finite point";
   if (!failure.empty()) return bad_file(name + ": " + failure);
@@ -428,7 +428,7 @@ Expected<PointCloud> read_point_cloud(const std::string& path) {
 }
 
 Expected<std::vector<std::byte>> octree_of(const PointCloud& cloud, const std::string& name, double resolution,
-                                           bool origin_rays) {
+                                           bool origin_rays, const Progress& progress) {
   const auto too_wide = [&](const char* what) {
     return bad_file(name + ": " + what +
                     " lies beyond the 32,768 voxels on each side of the origin; choose a larger --resolution");
@@ -438,7 +438,10 @@ Expected<std::vector<std::byte>> octree_of(const PointCloud& cloud, const std::s
   constexpr std::size_t kThinFrom = std::size_t{1} << 24;  // rays cross the same voxels over and over
   std::size_t limit = kThinFrom;
   std::vector<std::uint64_t> codes;
-  for (const auto& point : cloud.points) {
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const auto& point = cloud.points[i];
+    if (progress && i % 1024 == 0)
+      progress("import", static_cast<double>(i) / static_cast<double>(cloud.points.size()));
     const std::optional<Key> key = key_of(point, resolution);
     if (!key) return too_wide("a point");
     codes.push_back(to_code(*key, true));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "map/error.hpp"
+#include "map/map_builder.hpp"
 
 namespace swiftlet::tools {
 
@@ -24,8 +25,8 @@ Expected<PointCloud> parse_point_cloud(const std::string& name, std::span<const 
 
 /// The octree of a cloud as a .bt file: voxels that hold a point are occupied. With `origin_rays` the voxels on the way
 /// from the viewpoint to each point are free; without, nothing is known to be free. Error (exit status 3): the cloud
-/// spans more than the 65,536 voxels of an octree around the origin.
+/// spans more than the 65,536 voxels of an octree around the origin. `progress` may be empty.
 Expected<std::vector<std::byte>> octree_of(const PointCloud& cloud, const std::string& name, double resolution,
-                                           bool origin_rays);
+                                           bool origin_rays, const Progress& progress = {});
 
 }  // namespace swiftlet::tools
