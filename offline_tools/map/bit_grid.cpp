@@ -38,6 +38,18 @@ bool BitGrid::all_set(const GridBox& box) const {
   return true;
 }
 
+bool BitGrid::none_set(const GridBox& box) const {
+  for (std::int32_t z = box.lo[2]; z < box.hi[2]; ++z) {
+    for (std::int32_t y = box.lo[1]; y < box.hi[1]; ++y) {
+      const auto words = row(y, z);
+      const bool empty =
+          for_each_word(box.lo[0], box.hi[0], [&](std::size_t i, Word mask) { return (words[i] & mask) == 0; });
+      if (!empty) return false;
+    }
+  }
+  return true;
+}
+
 void BitGrid::set(const GridBox& box) {
   if (box.lo[0] >= box.hi[0]) return;
   for (std::int32_t z = box.lo[2]; z < box.hi[2]; ++z) {

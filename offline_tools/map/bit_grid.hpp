@@ -58,6 +58,8 @@ class BitGrid {
 
   /// True when every cell of the box is set; the box lies in the grid.
   [[nodiscard]] bool all_set(const GridBox& box) const;
+  /// True when no cell of the box is.
+  [[nodiscard]] bool none_set(const GridBox& box) const;
   void set(const GridBox& box);
   void clear(const GridBox& box);
   [[nodiscard]] std::uint64_t count() const;

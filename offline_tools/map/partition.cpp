@@ -172,7 +172,7 @@ class BoxTaker {
     }
   }
 
-  /// A seed that was partly taken: its eight parts become seeds of the next level.
+  /// A seed that was partly taken: of its eight parts those that are not wholly taken become seeds of the next level.
   void split(const GridBox& seed) {
     const std::int32_t half = (seed.hi[0] - seed.lo[0]) / 2;
     if (half == 0) return;
@@ -182,7 +182,7 @@ class BoxTaker {
         part.lo[axis] += (child >> axis & 1U) != 0 ? half : 0;
         part.hi[axis] = part.lo[axis] + half;
       }
-      add_seed(part);
+      if (!rest_.none_set(part)) add_seed(part);  // without this memory would follow the volume
     }
   }
 
