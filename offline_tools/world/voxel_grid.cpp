@@ -28,19 +28,19 @@ std::vector<Voxel> offsets_within(double distance, double resolution) {
 // --- .bt: two bits a node, children after their parent; a cube of one kind is one node ---
 
 constexpr std::size_t kOctreeDepth = 16;
-enum NodeCode : std::uint8_t { kNothing = 0, kFreeLeaf = 1, kOccupiedLeaf = 2, kInner = 3 };
+constexpr std::uint8_t kInner = 3;  // beside the codes of a voxel, which a leaf of any size has
 
 /// The codes of all cubes of one size that reach into the grid.
 struct OctreeLevel {
   Voxel size;
   std::vector<std::uint8_t> codes;
 
-  [[nodiscard]] NodeCode code(const Voxel& cube) const {
+  [[nodiscard]] std::uint8_t code(const Voxel& cube) const {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (cube[axis] >= size[axis]) return kNothing;
+      if (cube[axis] >= size[axis]) return kUnknownVoxel;
     }
     const int number = (cube[2] * size[1] + cube[1]) * size[0] + cube[0];
-    return static_cast<NodeCode>(codes[static_cast<std::size_t>(number)]);
+    return codes[static_cast<std::size_t>(number)];
   }
 };
 
@@ -49,8 +49,8 @@ Voxel child_of(const Voxel& cube, int child) {
 }
 
 /// Like its children when they are all alike, else inner.
-NodeCode joined_code(const OctreeLevel& children, const Voxel& cube) {
-  const NodeCode first = children.code(child_of(cube, 0));
+std::uint8_t joined_code(const OctreeLevel& children, const Voxel& cube) {
+  const std::uint8_t first = children.code(child_of(cube, 0));
   for (int child = 1; child < 8; ++child) {
     if (children.code(child_of(cube, child)) != first) return kInner;
   }
@@ -59,11 +59,8 @@ NodeCode joined_code(const OctreeLevel& children, const Voxel& cube) {
 
 /// Level i holds cubes of 2^i voxels, from the grid's low corner on; the last one is the octant of OctoMap's root that
 /// lies above the origin of frame W.
-std::vector<OctreeLevel> octree_levels(const VoxelGrid& grid) {
-  std::vector<OctreeLevel> levels{{grid.size(), {}}};
-  for (std::size_t i = 0; i < grid.voxel_count(); ++i) {
-    levels[0].codes.push_back(grid.occupied(grid.voxel(i)) ? kOccupiedLeaf : kFreeLeaf);
-  }
+std::vector<OctreeLevel> octree_levels(const Voxel& size, std::vector<std::uint8_t> codes) {
+  std::vector<OctreeLevel> levels{{size, std::move(codes)}};
   while (levels.size() < kOctreeDepth) {
     const OctreeLevel& finer = levels.back();
     OctreeLevel level{{(finer.size[0] + 1) / 2, (finer.size[1] + 1) / 2, (finer.size[2] + 1) / 2}, {}};
@@ -90,7 +87,7 @@ std::size_t write_node(const std::vector<OctreeLevel>& levels, std::size_t level
   for (int child = 0; child < 8; ++child) {
     const unsigned code = codes >> static_cast<unsigned>(2 * child) & 3U;
     if (code == kInner) count += write_node(levels, level - 1, child_of(cube, child), nodes);
-    if (code == kFreeLeaf || code == kOccupiedLeaf) ++count;
+    if (code == kFreeVoxel || code == kOccupiedVoxel) ++count;
   }
   return count;
 }
@@ -155,13 +152,21 @@ std::vector<std::uint8_t> voxels_with_clearance(const VoxelGrid& grid, double di
 }
 
 std::string to_bt(const VoxelGrid& grid) {
-  const std::vector<OctreeLevel> levels = octree_levels(grid);
+  std::vector<std::uint8_t> codes(grid.voxel_count());
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    codes[i] = grid.occupied(grid.voxel(i)) ? kOccupiedVoxel : kFreeVoxel;
+  }
+  return to_bt(grid.size(), grid.resolution(), std::move(codes));
+}
+
+std::string to_bt(const Voxel& size, double resolution, std::vector<std::uint8_t> codes) {
+  const std::vector<OctreeLevel> levels = octree_levels(size, std::move(codes));
   std::string nodes("\0\xC0", 2);  // the root: its last child alone is there, an inner node
   const std::size_t node_count = 1 + write_node(levels, kOctreeDepth - 1, {0, 0, 0}, nodes);
   std::ostringstream header;
   header
       << "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
-      << "id OcTree\nsize " << node_count << "\nres " << grid.resolution() << "\ndata\n";
+      << "id OcTree\nsize " << node_count << "\nres " << resolution << "\ndata\n";
   return header.str() + nodes;
 }
 

@@ -47,4 +47,10 @@ std::vector<std::uint8_t> voxels_with_clearance(const VoxelGrid& grid, double di
 /// The grid as the bytes of an OctoMap .bt file, pruned.
 std::string to_bt(const VoxelGrid& grid);
 
+/// What a .bt file says of a voxel.
+enum VoxelCode : std::uint8_t { kUnknownVoxel = 0, kFreeVoxel = 1, kOccupiedVoxel = 2 };
+
+/// The same for a grid that may hold unknown voxels, in the order of VoxelGrid::index.
+std::string to_bt(const Voxel& size, double resolution, std::vector<std::uint8_t> codes);
+
 }  // namespace swiftlet::tools

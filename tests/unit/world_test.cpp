@@ -125,6 +125,21 @@ TEST(World, EveryVoxelOfTheOctoMapIsFreeOrOccupiedWithTheLowCornerAtTheOrigin) {
   }
 }
 
+TEST(World, AnOctoMapMayLeaveVoxelsUnknown) {
+  const Voxel size{5, 4, 3};
+  std::vector<std::uint8_t> codes;
+  for (int i = 0; i < 60; ++i) codes.push_back(static_cast<std::uint8_t>(i * i % 7 % 3));
+  std::istringstream bytes(to_bt(size, 0.5, codes));
+  octomap::OcTree tree(1.0);
+  ASSERT_TRUE(tree.readBinary(bytes));
+  for (int i = 0; i < 60; ++i) {
+    const octomap::OcTreeNode* node =
+        tree.search(0.25 + 0.5 * (i % 5), 0.25 + 0.5 * (i / 5 % 4), 0.25 + 0.5 * (i / 20));
+    const VoxelCode found = node == nullptr ? kUnknownVoxel : tree.isNodeOccupied(node) ? kOccupiedVoxel : kFreeVoxel;
+    EXPECT_EQ(found, codes[static_cast<std::size_t>(i)]) << i;
+  }
+}
+
 TEST(World, QueriesHaveRoomAtBothEndsAndPathsNoShorterThanTheStraightLine) {
   for (const World& world : {make_maze(1), make_classroom(1)}) {
     const std::vector<WorldQuery> queries = make_queries(world, 1, kQueries);
