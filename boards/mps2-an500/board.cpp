@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "devices.hpp"
 #include "board_config.hpp"
+#include "devices.hpp"
 #include "semihosting.hpp"
 #include "swiftlet/assert.hpp"
 #include "swiftlet/hal/cmsdk_clock.hpp"

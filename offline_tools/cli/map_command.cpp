@@ -32,6 +32,7 @@ namespace {
 constexpr double kLargestRadius = 100;          // [m]
 constexpr NumberRange kResolutions{1e-3, 100};  // [m]
 constexpr std::uint64_t kLargestCoarsening = 256;
+constexpr double kLongestDetour = 100;  // [m]
 
 struct BuildCommand {
   std::string in;
@@ -42,6 +43,8 @@ struct BuildCommand {
   std::uint64_t coarsen = 1;
   std::uint64_t landmarks = 0;
   CLI::Option* landmarks_given = nullptr;
+  double sliver_tolerance = 0;
+  CLI::Option* drop_slivers = nullptr;
   bool no_verify = false;
   MapBuildOptions build;
 };
@@ -157,7 +160,8 @@ void print_report(const MapReport& report) {
                 (report.searched_over_centres ? "window centres with them" : "points along the straight line"));
   print_row("free", to_text(report.free_volume, 2) + " m^3; lost " + to_text(report.lost_to_inflation, 2) +
                         " to inflation, " + to_text(report.lost_to_unknown, 2) + " to unknown space, " +
-                        to_text(report.lost_to_coarsening, 2) + " to coarsening");
+                        to_text(report.lost_to_coarsening, 2) + " to coarsening, " +
+                        to_text(report.lost_to_slivers, 2) + " to slivers");
   print_row("components", std::to_string(report.components));
   if (report.cells > 0) {
     print_row("largest", to_text(100 * report.largest_component, 1) + " % of the free space, around (" +
@@ -281,6 +285,7 @@ void apply_choices(BuildCommand& command) {
                                                           : UnknownPolicy::kFree;
   command.build.partition = command.partition == "boxes" ? Partition::kBoxes : Partition::kOctree;
   command.build.coarsen = static_cast<int>(command.coarsen);
+  if (*command.drop_slivers) command.build.sliver_tolerance = command.sliver_tolerance;
   if (*command.landmarks_given) command.build.landmarks = static_cast<std::uint32_t>(command.landmarks);
 }
 
@@ -299,6 +304,9 @@ void add_build_command(CLI::App& map, Command& chosen) {
       ->type_name("x0,y0,z0,x1,y1,z1");
   add_count(*app, "--coarsen", command->coarsen, 1, kLargestCoarsening,
             "Keep only whole free blocks of so many voxels");
+  command->drop_slivers =
+      add_number(*app, "--drop-slivers", command->sliver_tolerance, {0, kLongestDetour},
+                 "Drop cells one voxel thick that no way needs, or whose detour is at most so long [m]");
   command->landmarks_given =
       add_count(*app, "--landmarks", command->landmarks, 0, kMostLandmarks,
                 "Landmarks of the search, 2 bytes a window each; as many as stay below 60 % of the rest unless given");

@@ -9,6 +9,7 @@
 #include "map/landmarks.hpp"
 #include "map/obstacles.hpp"
 #include "map/partition.hpp"
+#include "map/slivers.hpp"
 #include "swiftlet/box_graph_view.hpp"
 
 namespace swiftlet::tools {
@@ -182,6 +183,13 @@ Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, con
   std::vector<GridBox> cells = options.partition == Partition::kOctree
                                    ? octree_leaves(space->free, key)
                                    : merged_boxes(space->free, key, [&](double done) { progress("partition", done); });
+  if (options.sliver_tolerance) {
+    const std::int32_t voxel = std::int32_t{1} << space->unit_shift;
+    const double tolerance =
+        *options.sliver_tolerance / std::ldexp(map.resolution, -static_cast<int>(space->unit_shift));
+    header.lost_to_slivers =
+        drop_slivers(cells, voxel, tolerance, [&](double done) { progress("drop slivers", done); });
+  }
   order_for_index(cells);
   const std::vector<GridBox> extents = grow_extents(*space, cells, progress);
   progress("connect", 0);

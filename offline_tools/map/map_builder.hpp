@@ -22,6 +22,7 @@ struct MapBuildOptions {
   Partition partition = Partition::kBoxes;
   std::optional<std::array<double, 6>> bounds;  ///< [m] x0 y0 z0 x1 y1 z1: only what lies inside is mapped
   std::optional<std::uint32_t> landmarks;       ///< of the search; as many as stay below 60 % of the rest unless given
+  std::optional<double> sliver_tolerance;  ///< [m] drop thin cells that lengthen no way past them by more (slivers.hpp)
   int coarsen = 1;  ///< keep only whole blocks of this many voxels an edge that are free after inflation
 };
 

@@ -92,6 +92,7 @@ MapReport map_info(const BoxGraphView& view) {
   report.lost_to_inflation = unit_volume * static_cast<double>(header.lost_to_inflation);
   report.lost_to_unknown = unit_volume * static_cast<double>(header.lost_to_unknown);
   report.lost_to_coarsening = unit_volume * static_cast<double>(header.lost_to_coarsening);
+  report.lost_to_slivers = unit_volume * static_cast<double>(header.lost_to_slivers);
   report.worst_loss = std::sqrt(3.0) * view.unit();
   report.components = header.component_count;
   report.boards = fit_to_boards(report.blob_bytes, report.windows);
@@ -163,6 +164,7 @@ nlohmann::ordered_json map_report_json(const MapReport& report) {
           {"lost_to_inflation_m3", report.lost_to_inflation},
           {"lost_to_unknown_m3", report.lost_to_unknown},
           {"lost_to_coarsening_m3", report.lost_to_coarsening},
+          {"lost_to_slivers_m3", report.lost_to_slivers},
           {"degree", {{"mean", degree_mean}, {"max", report.degree_max}}},
           {"section_bytes", sections},
           {"landmarks", report.landmarks},

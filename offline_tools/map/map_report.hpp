@@ -40,8 +40,9 @@ struct MapReport {
   double lost_to_inflation = 0;        ///< [m^3] known free space too close to obstacles
   double lost_to_unknown = 0;          ///< [m^3] that policy `free` would leave free and this one does not
   double lost_to_coarsening = 0;       ///< [m^3]
+  double lost_to_slivers = 0;          ///< [m^3]
   double worst_loss =
-      0;  ///< a free point farther than radius + this from all obstacles is in a cell (before coarsening)
+      0;  ///< a free point farther than radius + this from all obstacles is in a cell (before coarsening and slivers)
   std::size_t components = 0;
   double largest_component = 0;                     ///< share of the free volume, 0 to 1
   std::array<double, 3> largest_component_point{};  ///< a free point of it; zero without cells

@@ -285,6 +285,7 @@ TEST_F(Program, MapVerifyPassesEveryMapThatBuildMakes) {
                                              {"--unknown", "free"},
                                              {"--unknown", "occupied", "--partition", "octree"},
                                              {"--coarsen", "2"},
+                                             {"--drop-slivers", "0.2"},
                                              {"--bounds", "-0.9,-0.9,0,0.9,0.9,1"}}) {
     std::vector<std::string> build{"map", "build", path("rooms.bt"), "-o", path("v.swm"), "--radius", "0.15"};
     build.insert(build.end(), extra.begin(), extra.end());

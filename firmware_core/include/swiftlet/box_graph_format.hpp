@@ -73,11 +73,12 @@ struct BlobHeader {
   std::uint64_t lost_to_inflation;
   std::uint64_t lost_to_unknown;
   std::uint64_t lost_to_coarsening;
+  std::uint64_t lost_to_slivers;               ///< thin cells that were dropped; extents may still cover them
   std::array<std::uint8_t, 32> source_digest;  ///< SHA-256 of the source file
   std::array<BlobSectionEntry, kBlobSectionCount> sections;
 };
 
 static_assert(sizeof(BlobBox) == 12 && alignof(BlobBox) == 2);
-static_assert(sizeof(BlobHeader) == 216 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
+static_assert(sizeof(BlobHeader) == 224 && alignof(BlobHeader) == 8 && sizeof(BlobHeader) % 8 == 0);
 
 }  // namespace swiftlet

@@ -63,6 +63,7 @@ function space_card(map) {
     row('Lost to inflation', significant(map.lost_to_inflation_m3, 6), 'm³'),
     row('Lost to unknown space', significant(map.lost_to_unknown_m3, 6), 'm³'),
     row('Lost to coarsening', significant(map.lost_to_coarsening_m3, 6), 'm³'),
+    row('Lost to slivers', significant(map.lost_to_slivers_m3, 6), 'm³'),
     row('Worst loss by quantisation', significant(map.worst_loss_m, 3), 'm'),
   ]);
 }
