@@ -19,12 +19,14 @@ constexpr std::uint64_t kSeeds = 6 + test::kPropertyRuns / 50;
 PlannerStorage<Capacity{.segments = 48, .search_nodes = 2048}> storage;
 BlockedStorage<6, 8> blocked_memory;
 
-/// Two rooms of 4 x 4 x 3 m joined by two passages of 1 m, in units of 1/8 m; every extent is its cell.
+/// Two rooms of 4 x 4 x 3 m joined by two passages of 1 m, in units of 1/8 m; every extent is its cell. Static: too
+/// large for a small stack.
+test::TestBlob blob{
+    {80, 32, 24},
+    {{{0, 0, 0}, {32, 32, 24}}, {{32, 4, 0}, {48, 12, 24}}, {{32, 20, 0}, {48, 28, 24}}, {{48, 0, 0}, {80, 32, 24}}},
+    kUnit};
+
 struct Rooms {
-  test::TestBlob blob{
-      {80, 32, 24},
-      {{{0, 0, 0}, {32, 32, 24}}, {{32, 4, 0}, {48, 12, 24}}, {{32, 20, 0}, {48, 28, 24}}, {{48, 0, 0}, {80, 32, 24}}},
-      kUnit};
   BoxGraphView map = blob.view();
   BlockedSpace blocked{map, blocked_memory.spans()};
   Planner planner{storage.spans()};

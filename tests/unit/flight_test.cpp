@@ -24,14 +24,15 @@ constexpr std::uint64_t kFlights = 1 + test::kPropertyRuns / 100;
 PlannerStorage<Capacity{.segments = 16, .search_nodes = 64}> planner_memory;
 TrajectorySlots<16> store_memory;
 
-/// Rooms of 4 x 4 x 3 m joined by passages of 1 m. Units of 1 m.
+/// Rooms of 4 x 4 x 3 m joined by passages of 1 m. Units of 1 m. Static: too large for a small stack.
+test::TestBlob blob{{18, 8, 3},
+                    {{{0, 0, 0}, {4, 4, 3}},
+                     {{4, 1, 0}, {6, 2, 3}},
+                     {{6, 0, 0}, {10, 4, 3}},
+                     {{10, 3, 0}, {12, 4, 3}},
+                     {{12, 0, 0}, {16, 4, 3}}}};
+
 struct World {
-  test::TestBlob blob{{18, 8, 3},
-                      {{{0, 0, 0}, {4, 4, 3}},
-                       {{4, 1, 0}, {6, 2, 3}},
-                       {{6, 0, 0}, {10, 4, 3}},
-                       {{10, 3, 0}, {12, 4, 3}},
-                       {{12, 0, 0}, {16, 4, 3}}}};
   BoxGraphView graph = blob.view();
   Planner planner{planner_memory.spans()};
   TrajectoryStore store{store_memory.spans()};

@@ -262,8 +262,9 @@ class TestBlob {
   std::array<std::array<bool, kMaxCells>, kMaxCells> adjacent_{};
   static constexpr std::size_t kMaxWindows = kMaxCells * (kMaxCells - 1) / 2;
   static constexpr std::size_t kMaxLandmarks = 4;
-  std::array<Window, kMaxWindows> windows_{};
-  std::array<std::uint16_t, kMaxLandmarks * kMaxWindows> landmark_distances_{};
+  // Scratch of `write`, shared: a board's stack has to hold a few blobs.
+  static inline std::array<Window, kMaxWindows> windows_{};
+  static inline std::array<std::uint16_t, kMaxLandmarks * kMaxWindows> landmark_distances_{};
   std::array<std::byte, 6144> records_{};  // at most 2 bytes a neighbour and 3 a growth here
   std::size_t record_bytes_ = 0;
   alignas(8) std::array<std::byte, kMaxBytes> bytes_{};
