@@ -327,7 +327,7 @@ std::span<const T> BoxGraphView::section(BlobSection section) const {
 }
 
 IntBox BoxGraphView::cell(CellIndex cell) const {
-  if (to_size(cell) >= cell_count()) return blocked_->pieces()[to_size(cell) - cell_count()].box;
+  if (blocked_ != nullptr && to_size(cell) >= cell_count()) return blocked_->pieces()[to_size(cell) - cell_count()].box;
   return to_int_box(section<BlobBox>(BlobSection::kCells)[to_size(cell)]);
 }
 
@@ -348,7 +348,7 @@ LandmarkRow BoxGraphView::landmarks(CellIndex a, CellIndex b) const {
   const NeighbourRange row = neighbours(low);
   NeighbourRange::Iterator at = row.begin();
   while (at.remaining() > 1 && *at != high) ++at;
-  return LandmarkRow(record_end(low) - 2 * std::size_t{header_->landmark_count} * at.remaining());
+  return landmarks(low, at);
 }
 
 CellIndex BoxGraphView::map_cell(CellIndex cell) const {

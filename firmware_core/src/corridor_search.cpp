@@ -313,13 +313,28 @@ class Search {
         at_start ? start_ : representative_.of(intersection(graph_.cell(static_cast<CellIndex>(near)), cell));
 
     if (here == goal_cell_) relax_goal(node, cost + distance(point, goal_));
-    const bool all_kept =
-        visit_neighbours(graph_, static_cast<CellIndex>(here), [&](CellIndex neighbour, const IntBox& box) {
-          const auto to = static_cast<std::uint32_t>(neighbour);
-          if (to == near) return true;
-          const Point next = representative_.of(intersection(cell, box));
-          return relax(node, here, to, next, cost + distance(point, next));
-        });
+    if (graph_.blocked() != nullptr) return expand_pieces(node, near, here, point, cost);
+    const NeighbourRange neighbours = graph_.neighbours(static_cast<CellIndex>(here));
+    for (NeighbourRange::Iterator at = neighbours.begin(); at != neighbours.end(); ++at) {
+      const auto to = static_cast<std::uint32_t>(*at);
+      if (to == near) continue;
+      const Point next = representative_.of(intersection(cell, graph_.cell(*at)));
+      const auto heuristic = [&] { return lower_bound(here, at, next); };
+      if (!relax(node, here, to, cost + distance(point, next), heuristic)) return Status::kSearchCapacity;
+    }
+    return Status::kOk;
+  }
+
+  /// The same where cells are cut: neighbours may be pieces, whose windows have no landmark distances.
+  Status expand_pieces(std::uint32_t node, std::uint32_t near, std::uint32_t here, const Point& point, float cost) {
+    const IntBox cell = graph_.cell(static_cast<CellIndex>(here));
+    const auto offer = [&](CellIndex neighbour, const IntBox& box) {
+      const auto to = static_cast<std::uint32_t>(neighbour);
+      if (to == near) return true;
+      const Point next = representative_.of(intersection(cell, box));
+      return relax(node, here, to, cost + distance(point, next), [&] { return distance(next, goal_); });
+    };
+    const bool all_kept = visit_neighbours(graph_, static_cast<CellIndex>(here), offer);
     return all_kept ? Status::kOk : Status::kSearchCapacity;
   }
 
@@ -329,18 +344,22 @@ class Search {
     last_ = parent;
   }
 
-  /// [unit] no way is shorter from the window between two cells, seen at `point`, to the goal.
-  [[nodiscard]] float heuristic(std::uint32_t from, std::uint32_t to, const Point& point) const {
+  /// [unit] no way is shorter from the window between cell `from` and the neighbour that `at` stands on, seen at
+  /// `point`, to the goal.
+  [[nodiscard]] float lower_bound(std::uint32_t from, const NeighbourRange::Iterator& at, const Point& point) const {
     const float straight = distance(point, goal_);
     if (!bound_.is_used()) return straight;
-    return std::max(straight, bound_.of(graph_.landmarks(static_cast<CellIndex>(from), static_cast<CellIndex>(to))));
+    const auto cell = static_cast<CellIndex>(from);
+    return std::max(straight, bound_.of(*at > cell ? graph_.landmarks(cell, at) : graph_.landmarks(cell, *at)));
   }
 
-  /// Offers a way of `cost` to the window between two cells. False when that takes a node and the table is full.
-  bool relax(std::uint32_t parent, std::uint32_t from, std::uint32_t to, const Point& point, float cost) {
+  /// Offers a way of `cost` to the window between `from` and `to`; `heuristic()` is what is left to the goal at least.
+  /// False when that takes a node and the table is full.
+  template <typename Heuristic>
+  bool relax(std::uint32_t parent, std::uint32_t from, std::uint32_t to, float cost, const Heuristic& heuristic) {
     const std::uint32_t known = nodes_.find(from, to);
     if (known != kNone && cost >= nodes_[known].cost) return true;
-    const float priority = cost + weight_ * heuristic(from, to, point);
+    const float priority = cost + weight_ * heuristic();
     if (priority >= goal_cost_) return true;  // no part of a shorter way
     if (known == kNone || nodes_[known].position == kClosed) {
       // A window that was expanded gets a second node: the first one stays, as its children's way back.

@@ -102,12 +102,16 @@ class BoxGraphView {
   [[nodiscard]] std::uint16_t component(CellIndex cell) const;
 
   /// True when the windows of this component carry landmark distances: those of the largest one do, unless something is
-  /// blocked, which moves windows.
+  /// blocked, since windows of pieces have none.
   [[nodiscard]] bool has_landmarks(std::uint16_t component) const {
     return component == 0 && header_->landmark_count > 0 && blocked_ == nullptr;
   }
-  /// The landmark distances of the window between two neighbours, in either order; for components that have landmarks
-  /// only. Cost O(number of neighbours).
+  /// The landmark distances of the window from `cell` to the neighbour that `at` stands on, of a higher index. For
+  /// components that have landmarks only.
+  [[nodiscard]] LandmarkRow landmarks(CellIndex cell, const NeighbourRange::Iterator& at) const {
+    return LandmarkRow(record_end(cell) - 2 * std::size_t{header_->landmark_count} * at.remaining());
+  }
+  /// The same for two neighbouring cells in either order. Cost O(number of neighbours).
   [[nodiscard]] LandmarkRow landmarks(CellIndex a, CellIndex b) const;
 
   /// The occupied voxels, packed for the offline tools (docs/map_format.md); opaque here.
