@@ -64,7 +64,7 @@ def print_table(rows):
     print("| area | cells | windows | blob | without obstacles | path, median | default: expanded, time | plain: expanded, time |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for r in rows:
-        print(f"| {r["scale"]} x 3,900 m² | {r['cells']:,} | {r['windows']:,} | {r['blob'] / 1000:,.0f} kB | "
+        print(f"| {r['scale']} x 3,900 m² | {r['cells']:,} | {r['windows']:,} | {r['blob'] / 1000:,.0f} kB | "
               f"{r['graph'] / 1000:,.0f} kB | {r['length']:.0f} m | {r['default expanded']:,.0f}, {r['default']:.3f} ms | "
               f"{r['plain expanded']:,.0f}, {r['plain']:.3f} ms |")
     print(f"| grows with area to the | {slope(rows, 'cells'):.2f} | {slope(rows, 'windows'):.2f} | {slope(rows, 'blob'):.2f} | "
