@@ -66,16 +66,20 @@ Status DualActiveSet::finish(Status status) {
   return status;
 }
 
-Status DualActiveSet::start_from(std::span<const QpRow> rows) {
-  for (const QpRow& row : rows) {
-    if (active_count_ == spans_.rows.size()) break;
-    const Result<bool> independent = row_is_independent(row);
-    if (!independent.ok()) return independent.status();
-    if (!*independent) continue;
-    spans_.rows[active_count_] = row;
-    spans_.multipliers[active_count_++] = 0;
-  }
-  return finish(Status::kOk);
+Status DualActiveSet::join(const QpRow& row) {
+  if (active_count_ == spans_.rows.size()) return Status::kOk;
+  if (++iterations_ > iteration_limit_) return Status::kIterationLimit;
+  const Result<bool> independent = row_is_independent(row);
+  if (!independent.ok()) return independent.status();
+  if (*independent) push(row, 0);
+  return Status::kOk;
+}
+
+Status DualActiveSet::move() { return finish(Status::kOk); }
+
+void DualActiveSet::push(const QpRow& row, Real multiplier) {
+  spans_.rows[active_count_] = row;
+  spans_.multipliers[active_count_++] = multiplier;
 }
 
 /// Makes `row` active with a multiplier of at least `weight`. While it depends on the active rows, weight moves from
@@ -95,9 +99,7 @@ Status DualActiveSet::append(const QpRow& row, Real weight) {
     weight += step;
     drop(blocking);
   }
-  spans_.rows[active_count_] = row;
-  spans_.multipliers[active_count_] = weight;
-  ++active_count_;
+  push(row, weight);
   return Status::kOk;
 }
 

@@ -68,9 +68,11 @@ class DualActiveSet {
   /// The same, with `row` in place of two active rows, first < second, whose multipliers it inherits.
   Status merge(std::size_t first, std::size_t second, const QpRow& row);
 
-  /// Starts from rows that were active in a similar problem: those that depend on the others or do not press are left
-  /// out. Call before the first enforce. Errors as of enforce, but never kInfeasible.
-  Status start_from(std::span<const QpRow> rows);
+  /// Several rows at once: `join` each, then `move`. A row that depends on the active ones, or for which there is no
+  /// room, is left out, and `move` drops those that do not press; whatever is still violated can be enforced later.
+  /// Errors as of enforce, but never kInfeasible.
+  Status join(const QpRow& row);
+  Status move();
 
   [[nodiscard]] std::span<const Real> solution() const { return spans_.solution.first(kBlockSize * block_count_); }
   [[nodiscard]] std::size_t active_count() const { return active_count_; }
@@ -80,6 +82,7 @@ class DualActiveSet {
 
  private:
   Status append(const QpRow& row, Real weight);
+  void push(const QpRow& row, Real multiplier);
   Status finish(Status appended);
   Status settle();
   Result<bool> row_is_independent(const QpRow& row);
