@@ -38,84 +38,72 @@ std::array<Real, 3> end_scales(const AxisProblem& problem, std::size_t junction,
   return {1, ratio, ratio * ratio};
 }
 
-/// A few rows over two neighbouring blocks and a right-hand side, triangularised from the left.
-class RowStack {
- public:
-  static constexpr std::size_t kColumns = 2 * kBlockSize + 1;
-  static constexpr std::size_t kRhs = 2 * kBlockSize;
-  using Row = std::array<Real, kColumns>;
+constexpr std::size_t kColumns = 2 * kBlockSize + 1;  // left block, right block, right-hand side
+constexpr std::size_t kRhs = 2 * kBlockSize;
+using Row = std::array<Real, kColumns>;
 
-  void push(const Row& row) { rows_[count_++] = row; }
-  [[nodiscard]] std::size_t size() const { return count_; }
-  [[nodiscard]] const Row& operator[](std::size_t i) const { return rows_[i]; }
+/// Rows over two neighbouring blocks: three carried over from the left, the three of the segment between the blocks and,
+/// in float, the hold of the left one. The counts are fixed so that the compiler can unroll.
+constexpr std::size_t kCarried = kBlockSize;
+constexpr std::size_t kHoldRow = kCarried + kBlockSize;
+constexpr std::size_t kRows = kHoldRow + (kHold > 0 ? 1 : 0);
+using Rows = std::array<Row, kRows>;
 
-  /// Householder reflection of rows `pivot` and below that clears `column` under row `pivot`.
-  void reflect(std::size_t pivot, std::size_t column) {
-    if (pivot >= count_) return;
-    Real norm2 = 0;
-    for (std::size_t i = pivot; i < count_; ++i) norm2 += rows_[i][column] * rows_[i][column];
-    if (!(norm2 > 0)) return;
-    const Real head = rows_[pivot][column];
-    const Real alpha = head > 0 ? -std::sqrt(norm2) : std::sqrt(norm2);
-    std::array<Real, kMaxRows> v{};
-    for (std::size_t i = pivot; i < count_; ++i) v[i] = rows_[i][column];
-    v[pivot] -= alpha;
-    const Real scale = 1 / (alpha * (alpha - head));  // 2 / |v|^2
-    for (std::size_t j = column; j < kColumns; ++j) {
-      Real dot = 0;
-      for (std::size_t i = pivot; i < count_; ++i) dot += v[i] * rows_[i][j];
-      for (std::size_t i = pivot; i < count_; ++i) rows_[i][j] -= scale * dot * v[i];
-    }
-    rows_[pivot][column] = alpha;
-    for (std::size_t i = pivot + 1; i < count_; ++i) rows_[i][column] = 0;
+/// Householder reflection of rows kPivot to kRows that clears kColumn under kPivot and turns the columns up to kEnd and
+/// the right-hand side.
+template <std::size_t kPivot, std::size_t kColumn, std::size_t kEnd>
+inline void reflect(Rows& rows) {
+  std::array<Real, kRows> v{};
+  Real norm2 = 0;
+#pragma GCC unroll 8
+  for (std::size_t i = kPivot; i < kRows; ++i) {
+    v[i] = rows[i][kColumn];
+    norm2 += v[i] * v[i];
   }
-
-  /// Makes `column` a constant: its part moves to the right-hand side.
-  void substitute(std::size_t column, Real value) {
-    for (std::size_t i = 0; i < count_; ++i) {
-      rows_[i][kRhs] -= rows_[i][column] * value;
-      rows_[i][column] = 0;
-    }
+  if (!(norm2 > 0)) return;
+  const Real head = v[kPivot];
+  const Real alpha = head > 0 ? -std::sqrt(norm2) : std::sqrt(norm2);
+  const Real scale = 1 / (norm2 - alpha * head);  // 2 / |v|^2 once the head is shifted
+  v[kPivot] -= alpha;
+  rows[kPivot][kColumn] = alpha;
+#pragma GCC unroll 8
+  for (std::size_t j = kColumn + 1; j < kColumns; ++j) {
+    if (j >= kEnd && j < kRhs) continue;
+    Real dot = 0;
+#pragma GCC unroll 8
+    for (std::size_t i = kPivot; i < kRows; ++i) dot += v[i] * rows[i][j];
+    dot *= scale;
+#pragma GCC unroll 8
+    for (std::size_t i = kPivot; i < kRows; ++i) rows[i][j] -= dot * v[i];
   }
+}
 
-  /// Drops the first `done` rows and the left block; what is left constrains the right block alone. At most three rows
-  /// of it matter, the rest is residual.
-  void advance(std::size_t done) {
-    for (std::size_t i = done; i < count_; ++i) {
-      const Row& from = rows_[i];
-      rows_[i - done] = {from[3], from[4], from[5], 0, 0, 0, from[kRhs]};
-    }
-    count_ -= done;
-    if (count_ <= kBlockSize) return;
-    for (std::size_t column = 0; column < kBlockSize; ++column) reflect(column, column);
-    count_ = kBlockSize;
+/// Makes the left position a constant: its part moves to the right-hand side.
+void substitute_position(Rows& rows, Real value) {
+  for (Row& row : rows) {
+    row[kRhs] -= row[0] * value;
+    row[0] = 0;
   }
+}
 
- private:
-  static constexpr std::size_t kMaxRows = 2 * kBlockSize + 1;  // two segments' and a hold
-  std::array<Row, kMaxRows> rows_{};
-  std::size_t count_ = 0;
-};
-
-/// Adds the three jerk rows of a segment over (left junction, right junction); a missing junction is a constant.
-void push_segment(const AxisProblem& problem, std::size_t segment, RowStack& stack) {
+/// Writes the three jerk rows of a segment over (left junction, right junction) behind the carried ones; a missing
+/// junction is a constant.
+void put_segment(const AxisProblem& problem, std::size_t segment, Rows& rows) {
   const Real T = problem.durations[segment];
   const Real weight = 1 / (T * T * std::sqrt(T));
   const bool first = segment == 0;
   const bool last = segment + 1 == problem.segment_count();
   const std::array<Real, 3> left = first ? normalised(problem.start, T) : end_scales(problem, segment - 1, T);
   const std::array<Real, 3> right = last ? normalised(problem.goal, T) : end_scales(problem, segment, T);
-  for (const std::array<Real, 6>& jerk : kJerkRows) {
-    RowStack::Row row{};
+  for (std::size_t i = 0; i < kBlockSize; ++i) {
+    Row& row = rows[kCarried + i];
+    row = {};
     for (std::size_t j = 0; j < kBlockSize; ++j) {
-      const Real at_left = weight * jerk[j] * left[j];
-      const Real at_right = weight * jerk[kBlockSize + j] * right[j];
-      // The first segment's right junction is the leftmost block of the chain.
-      if (!first) row[j] = at_left;
-      if (!last) row[first ? j : kBlockSize + j] = at_right;
-      row[RowStack::kRhs] -= (first ? at_left : 0) + (last ? at_right : 0);
+      const Real at_left = weight * kJerkRows[i][j] * left[j];
+      const Real at_right = weight * kJerkRows[i][kBlockSize + j] * right[j];
+      (first ? row[kRhs] : row[j]) += first ? -at_left : at_left;
+      (last ? row[kRhs] : row[kBlockSize + j]) += last ? -at_right : at_right;
     }
-    stack.push(row);
   }
 }
 
@@ -133,41 +121,63 @@ std::array<Real, 3> multiply(const std::array<Real, 6>& d, const std::array<Real
   return {d[0] * x[0] + d[1] * x[1] + d[2] * x[2], d[3] * x[1] + d[4] * x[2], d[5] * x[2]};
 }
 
-/// Triangularises the stack's left block into row block k of the factor, [D | D E] and D c, and stores D^-1, E and c. A
-/// pinned position takes a row of its own, x = constant, and none of the stack's.
-void eliminate_junction(const AxisProblem& problem, std::size_t k, RowStack& stack, FactorBlock& block, Real* c) {
-  const bool pinned = is_pinned(problem, k);
-  if (pinned) stack.substitute(0, gate_middle(problem, k));
-  RowStack::Row none{1};
-  std::array<const RowStack::Row*, kBlockSize> rows{&none, &none, &none};
-  std::size_t used = 0;
-  for (std::size_t column = pinned ? 1 : 0; column < kBlockSize; ++column) {
-    stack.reflect(used, column);
-    rows[column] = &stack[used++];
-  }
-  none[RowStack::kRhs] = pinned ? gate_middle(problem, k) : Real(0);
-  block.inverse_diagonal =
-      inverse_triangle({(*rows[0])[0], (*rows[0])[1], (*rows[0])[2], (*rows[1])[1], (*rows[1])[2], (*rows[2])[2]});
-  for (std::size_t column = kBlockSize; column <= RowStack::kRhs; ++column) {
+/// Row block k of the factor, [D | D E] and D c, from its rows (the first three): stores D^-1, E and c.
+void store_block(const std::array<Row, kBlockSize>& rows, FactorBlock& block, Real* c) {
+  block.inverse_diagonal = inverse_triangle({rows[0][0], rows[0][1], rows[0][2], rows[1][1], rows[1][2], rows[2][2]});
+  for (std::size_t column = kBlockSize; column < kColumns; ++column) {
     const std::array<Real, 3> solved =
-        multiply(block.inverse_diagonal, {(*rows[0])[column], (*rows[1])[column], (*rows[2])[column]});
+        multiply(block.inverse_diagonal, {rows[0][column], rows[1][column], rows[2][column]});
     for (std::size_t i = 0; i < kBlockSize; ++i) {
-      (column == RowStack::kRhs ? c[i] : block.coupling[kBlockSize * i + column - kBlockSize]) = solved[i];
+      (column == kRhs ? c[i] : block.coupling[kBlockSize * i + column - kBlockSize]) = solved[i];
     }
   }
-  stack.advance(used);
+}
+
+/// Carries the rows from kDone on over to the next junction: they constrain the right block alone. At most three of
+/// them matter, the rest is residual.
+template <std::size_t kDone>
+inline void carry_over(Rows& rows) {
+  if constexpr (kRows - kDone > kBlockSize) {
+    reflect<kDone, kBlockSize, kRhs>(rows);
+    reflect<kDone + 1, kBlockSize + 1, kRhs>(rows);
+    reflect<kDone + 2, kBlockSize + 2, kRhs>(rows);
+    rows[kDone + 1][kBlockSize] = rows[kDone + 2][kBlockSize] = rows[kDone + 2][kBlockSize + 1] = 0;
+  }
+  for (std::size_t i = 0; i < kCarried; ++i) {
+    const Row& from = rows[kDone + i];
+    rows[i] = {from[3], from[4], from[5], 0, 0, 0, from[kRhs]};
+  }
+}
+
+/// Eliminates a junction from the rows, whose left block it is. A pinned position takes a row of its own, x = constant,
+/// and none of theirs.
+void eliminate_junction(const AxisProblem& problem, std::size_t k, Rows& rows, FactorBlock& block, Real* c) {
+  if (is_pinned(problem, k)) {
+    const Real position = gate_middle(problem, k);
+    substitute_position(rows, position);
+    reflect<0, 1, kRhs>(rows);
+    reflect<1, 2, kRhs>(rows);
+    store_block({Row{1, 0, 0, 0, 0, 0, position}, rows[0], rows[1]}, block, c);
+    carry_over<2>(rows);
+  } else {
+    reflect<0, 0, kRhs>(rows);
+    reflect<1, 1, kRhs>(rows);
+    reflect<2, 2, kRhs>(rows);
+    store_block({rows[0], rows[1], rows[2]}, block, c);
+    carry_over<3>(rows);
+  }
 }
 
 /// The row that holds a junction near the middle of its gate.
-void push_hold(const AxisProblem& problem, std::size_t junction, RowStack& stack) {
+Row hold_row(const AxisProblem& problem, std::size_t junction) {
   Real stiffness = 0;  // of a position between segments: 720 / T^5 each
   for (const std::size_t segment : {junction, junction + 1}) {
     const Real T = problem.durations[segment];
     stiffness += 720 / (T * T * T * T * T);
   }
-  RowStack::Row row{kHold * std::sqrt(stiffness)};
-  row[RowStack::kRhs] = row[0] * gate_middle(problem, junction);
-  stack.push(row);
+  Row row{kHold * std::sqrt(stiffness)};
+  row[kRhs] = row[0] * gate_middle(problem, junction);
+  return row;
 }
 
 }  // namespace
@@ -179,12 +189,17 @@ void junction_scales(std::span<const Real> durations, std::span<Real> scales) {
 void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum) {
   const std::size_t junctions = problem.segment_count() - 1;
   if (junctions == 0) return;
-  RowStack stack;
-  push_segment(problem, 0, stack);
+  Rows rows{};
+  put_segment(problem, 0, rows);
+  // The first segment's right junction is the leftmost block of the chain.
+  for (std::size_t i = 0; i < kCarried; ++i) {
+    const Row& from = rows[kCarried + i];
+    rows[i] = {from[3], from[4], from[5], 0, 0, 0, from[kRhs]};
+  }
   for (std::size_t k = 0; k < junctions; ++k) {
-    push_segment(problem, k + 1, stack);
-    if (kHold > 0) push_hold(problem, k, stack);
-    eliminate_junction(problem, k, stack, factor[k], &optimum[kBlockSize * k]);
+    put_segment(problem, k + 1, rows);
+    if constexpr (kHold > 0) rows[kHoldRow] = hold_row(problem, k);
+    eliminate_junction(problem, k, rows, factor[k], &optimum[kBlockSize * k]);
   }
   for (std::size_t k = junctions - 1; k-- > 0;) {
     Real* x = &optimum[kBlockSize * k];

@@ -65,26 +65,10 @@ Real bracketed_root(const Polynomial& p, const Polynomial& slope, Real a, Real b
 
 }  // namespace
 
-Quintic quintic_from_ends(const QuinticEnds& ends) {
-  const Real dp = ends[3] - ends[0] - ends[1] - ends[2] / 2;
-  const Real dv = ends[4] - ends[1] - ends[2];
-  const Real da = ends[5] - ends[2];
-  return {ends[0], ends[1], ends[2] / 2, 10 * dp - 4 * dv + da / 2, -15 * dp + 7 * dv - da, 6 * dp - 3 * dv + da / 2};
-}
-
 QuinticEnds quintic_basis(int derivative, Real tau) {
   QuinticEnds weights{};
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] = quintic_value(kHermite[k], derivative, tau);
   return weights;
-}
-
-std::array<Real, 6> quintic_control_points(const QuinticEnds& ends) {
-  return {ends[0],
-          ends[0] + ends[1] / 5,
-          ends[0] + 2 * ends[1] / 5 + ends[2] / 20,
-          ends[3] - 2 * ends[4] / 5 + ends[5] / 20,
-          ends[3] - ends[4] / 5,
-          ends[3]};
 }
 
 Real quintic_value(const Quintic& quintic, int derivative, Real tau) { return derivative_of(quintic, derivative)(tau); }

@@ -137,17 +137,20 @@ class SegmentSweep {
     // Control points of the derivatives by differences. Inside its bounds they prove that no extremum violates: the
     // cheap reject that most segments take.
     std::array<Real, 6> points = quintic_control_points(ends_);
-    const Real T = bounds_.axis.durations[segment_];
+    const Real rate = 1 / bounds_.axis.durations[segment_];
     const Real tolerance = bounds_.problem->effort.tolerance;
     std::size_t count = points.size();
     for (int derivative = 0; derivative <= 2; ++derivative) {
-      const Real lo = bounds_.lower(segment_, derivative);
-      const Real hi = bounds_.upper(segment_, derivative);
-      bool inside = true;
-      for (std::size_t i = 0; i < count; ++i)
-        inside = inside && points[i] >= lo - tolerance && points[i] <= hi + tolerance;
+      Real least = points[0];
+      Real most = points[0];
+      for (std::size_t i = 1; i < count; ++i) {
+        least = std::min(least, points[i]);
+        most = std::max(most, points[i]);
+      }
+      const bool inside = least >= bounds_.lower(segment_, derivative) - tolerance &&
+                          most <= bounds_.upper(segment_, derivative) + tolerance;
       if (!inside) check_extrema(derivative);
-      const Real factor = static_cast<Real>(--count) / T;
+      const Real factor = static_cast<Real>(--count) * rate;
       for (std::size_t i = 0; i < count; ++i) points[i] = factor * (points[i + 1] - points[i]);
     }
     return worst_;

@@ -15,13 +15,25 @@ using QuinticEnds = std::array<Real, 6>;
 using Quintic = std::array<Real, 6>;
 
 /// The quintic with the given end states.
-Quintic quintic_from_ends(const QuinticEnds& ends);
+inline Quintic quintic_from_ends(const QuinticEnds& ends) {
+  const Real dp = ends[3] - ends[0] - ends[1] - ends[2] / 2;
+  const Real dv = ends[4] - ends[1] - ends[2];
+  const Real da = ends[5] - ends[2];
+  return {ends[0], ends[1], ends[2] / 2, 10 * dp - 4 * dv + da / 2, -15 * dp + 7 * dv - da, 6 * dp - 3 * dv + da / 2};
+}
 
 /// Weights w such that the `derivative`-th tau-derivative (0 to 2) at `tau` is sum_k w[k] ends[k].
 QuinticEnds quintic_basis(int derivative, Real tau);
 
 /// Bernstein control points: the quintic lies in their hull.
-std::array<Real, 6> quintic_control_points(const QuinticEnds& ends);
+inline std::array<Real, 6> quintic_control_points(const QuinticEnds& ends) {
+  return {ends[0],
+          ends[0] + ends[1] / 5,
+          ends[0] + 2 * ends[1] / 5 + ends[2] / 20,
+          ends[3] - 2 * ends[4] / 5 + ends[5] / 20,
+          ends[3] - ends[4] / 5,
+          ends[3]};
+}
 
 /// The `derivative`-th tau-derivative at `tau`.
 Real quintic_value(const Quintic& quintic, int derivative, Real tau);
