@@ -24,13 +24,31 @@ void add_row(const QpRow& row, Real factor, std::span<Real> x) {
 }
 
 /// x becomes D^-1 D^-T x.
-void apply_inverse_square(const std::array<Real, 6>& d, Real* x) {
+inline void apply_inverse_square(const std::array<Real, 6>& d, Real* x) {
   const Real y0 = d[0] * x[0];
   const Real y1 = d[1] * x[0] + d[3] * x[1];
   const Real y2 = d[2] * x[0] + d[4] * x[1] + d[5] * x[2];
   x[0] = d[0] * y0 + d[1] * y1 + d[2] * y2;
   x[1] = d[3] * y1 + d[4] * y2;
   x[2] = d[5] * y2;
+}
+
+/// One step of U^-T, from block `x` to its inner neighbour, and of D^-1 D^-T on x, which is done then.
+inline void push_inwards(const FactorBlock& block, Real* x, Real* inner) {
+  const std::array<Real, 9>& e = block.coupling;
+  // Grouped for the shortest chain of operations from x to inner.
+  for (std::size_t j = 0; j < kBlockSize; ++j) {
+    inner[j] = (inner[j] - e[j] * x[0]) - (e[3 + j] * x[1] + e[6 + j] * x[2]);
+  }
+  apply_inverse_square(block.inverse_diagonal, x);
+}
+
+/// One step of U^-1, from the inner neighbour to block `x`.
+inline void pull_outwards(const FactorBlock& block, Real* x, const Real* inner) {
+  const std::array<Real, 9>& e = block.coupling;
+  for (std::size_t i = 0; i < kBlockSize; ++i) {
+    x[i] = (x[i] - e[3 * i] * inner[0]) - (e[3 * i + 1] * inner[1] + e[3 * i + 2] * inner[2]);
+  }
 }
 
 }  // namespace
@@ -51,13 +69,26 @@ DualActiveSet::DualActiveSet(const QpSpans& spans, std::size_t block_count, std:
   std::copy(spans_.optimum.begin(), spans_.optimum.end(), spans_.solution.begin());
 }
 
-Status DualActiveSet::enforce(const QpRow& row) { return finish(append(row, 0)); }
+Status DualActiveSet::enforce(const QpRow& row) {
+  Status status = append(row, 0, false);
+  if (status != Status::kOk) return status;
+  find_target();
+  // A violated row pulls; where rounding says otherwise, hardly any of it was its own.
+  if (spans_.target[active_count_ - 1] < 0) {
+    drop(active_count_ - 1);
+    status = append(row, 0, true);
+    if (status == Status::kOk) find_target();
+  }
+  return finish(status);
+}
 
 Status DualActiveSet::merge(std::size_t first, std::size_t second, const QpRow& row) {
   const Real weight = spans_.multipliers[first] + spans_.multipliers[second];
   drop(second);
   drop(first);
-  return finish(append(row, weight));
+  const Status status = append(row, weight, false);
+  if (status == Status::kOk) find_target();
+  return finish(status);
 }
 
 Status DualActiveSet::finish(Status status) {
@@ -75,7 +106,10 @@ Status DualActiveSet::join(const QpRow& row) {
   return Status::kOk;
 }
 
-Status DualActiveSet::move() { return finish(Status::kOk); }
+Status DualActiveSet::move() {
+  find_target();
+  return finish(Status::kOk);
+}
 
 void DualActiveSet::push(const QpRow& row, Real multiplier) {
   spans_.rows[active_count_] = row;
@@ -83,14 +117,16 @@ void DualActiveSet::push(const QpRow& row, Real multiplier) {
 }
 
 /// Makes `row` active with a multiplier of at least `weight`. While it depends on the active rows, weight moves from
-/// them to it until one of them lets go; when none can, the rows contradict each other.
-Status DualActiveSet::append(const QpRow& row, Real weight) {
+/// them to it until one of them lets go; when none can, the rows contradict each other. `dependent`: it is known to
+/// depend on those active now.
+Status DualActiveSet::append(const QpRow& row, Real weight, bool dependent) {
   const std::span<Real> direction = spans_.target;
   while (true) {
     if (active_count_ == spans_.rows.size() || ++iterations_ > iteration_limit_) return Status::kIterationLimit;
     const Result<bool> independent = row_is_independent(row);
     if (!independent.ok()) return independent.status();
-    if (*independent) break;
+    if (*independent && !dependent) break;
+    dependent = false;
     solve_gram_upper(direction);
     Real step = 0;
     const std::size_t blocking = blocking_row(direction, step);
@@ -107,7 +143,7 @@ Status DualActiveSet::append(const QpRow& row, Real weight) {
 Result<bool> DualActiveSet::row_is_independent(const QpRow& row) {
   std::fill(spans_.work.begin(), spans_.work.end(), Real(0));
   add_row(row, 1, spans_.work);
-  solve_hessian(spans_.work, row.block);
+  solve_hessian(spans_.work, row.block, std::min<std::size_t>(row.block + 1, block_count_ - 1));
   const Real own = row_value(row, spans_.work);
   for (std::size_t j = 0; j < active_count_; ++j) spans_.target[j] = row_value(spans_.rows[j], spans_.work);
   solve_gram_lower(spans_.target);
@@ -136,16 +172,20 @@ std::size_t DualActiveSet::blocking_row(std::span<const Real> direction, Real& s
   return blocking;
 }
 
-/// Moves the multipliers to the optimum of the active rows taken as equalities; a row whose multiplier would turn
-/// negative on the way is dropped and the optimum is sought again.
+/// The multipliers at the optimum of the active rows taken as equalities, into `target`.
+void DualActiveSet::find_target() {
+  for (std::size_t j = 0; j < active_count_; ++j) {
+    spans_.target[j] = row_value(spans_.rows[j], spans_.optimum) - spans_.rows[j].bound;
+  }
+  solve_gram_lower(spans_.target);
+  solve_gram_upper(spans_.target);
+}
+
+/// Moves the multipliers to the target; a row whose multiplier would turn negative on the way is dropped and the target
+/// is sought again.
 Status DualActiveSet::settle() {
   while (true) {
     const std::span<Real> target = spans_.target;
-    for (std::size_t j = 0; j < active_count_; ++j) {
-      target[j] = row_value(spans_.rows[j], spans_.optimum) - spans_.rows[j].bound;
-    }
-    solve_gram_lower(target);
-    solve_gram_upper(target);
     Real step = 1;
     std::size_t blocking = active_count_;
     for (std::size_t j = 0; j < active_count_; ++j) {
@@ -164,6 +204,7 @@ Status DualActiveSet::settle() {
     if (blocking == active_count_) return Status::kOk;
     if (++iterations_ > iteration_limit_) return Status::kIterationLimit;
     drop(blocking);
+    find_target();
   }
 }
 
@@ -171,7 +212,7 @@ Status DualActiveSet::settle() {
 void DualActiveSet::update_solution() {
   std::fill(spans_.work.begin(), spans_.work.end(), Real(0));
   for (std::size_t j = 0; j < active_count_; ++j) add_row(spans_.rows[j], spans_.multipliers[j], spans_.work);
-  solve_hessian(spans_.work, 0);
+  solve_hessian(spans_.work, 0, block_count_ - 1);
   for (std::size_t i = 0; i < spans_.work.size(); ++i) spans_.solution[i] = spans_.optimum[i] - spans_.work[i];
 }
 
@@ -217,19 +258,31 @@ void DualActiveSet::solve_gram_upper(std::span<Real> rhs) const {
   }
 }
 
-/// rhs becomes P^-1 rhs; blocks of rhs before `first_block` are zero on entry.
-void DualActiveSet::solve_hessian(std::span<Real> rhs, std::size_t first_block) const {
-  for (std::size_t k = first_block; k + 1 < block_count_; ++k) {
-    const std::array<Real, 9>& e = spans_.factor[k].coupling;
-    Real* y = &rhs[kBlockSize * k];
-    for (std::size_t j = 0; j < kBlockSize; ++j) y[3 + j] -= e[j] * y[0] + e[3 + j] * y[1] + e[6 + j] * y[2];
+/// rhs becomes P^-1 rhs; only blocks `first` to `last` of rhs are not zero on entry. Inwards from both ends, then
+/// outwards from the middle; the two halves do not wait for each other.
+void DualActiveSet::solve_hessian(std::span<Real> rhs, std::size_t first, std::size_t last) const {
+  const std::span<const FactorBlock> factor = spans_.factor;
+  const std::size_t middle = middle_block(block_count_);
+  const auto block = [&](std::size_t k) { return &rhs[kBlockSize * k]; };
+  std::size_t left = std::min(first, middle);
+  std::size_t right = std::max(last, middle);
+  while (left < middle || right > middle) {
+    if (left < middle) {
+      push_inwards(factor[left], block(left), block(left + 1));
+      ++left;
+    }
+    if (right > middle) {
+      push_inwards(factor[right], block(right), block(right - 1));
+      --right;
+    }
   }
-  for (std::size_t k = block_count_; k-- > 0;) {
-    Real* x = &rhs[kBlockSize * k];
-    if (k >= first_block) apply_inverse_square(spans_.factor[k].inverse_diagonal, x);
-    if (k + 1 == block_count_) continue;
-    const std::array<Real, 9>& e = spans_.factor[k].coupling;
-    for (std::size_t i = 0; i < kBlockSize; ++i) x[i] -= e[3 * i] * x[3] + e[3 * i + 1] * x[4] + e[3 * i + 2] * x[5];
+  apply_inverse_square(factor[middle].inverse_diagonal, block(middle));
+  for (std::size_t distance = 1; distance <= middle; ++distance) {  // the left half is never the shorter one
+    const std::size_t k = middle - distance;
+    pull_outwards(factor[k], block(k), block(k + 1));
+    if (middle + distance < block_count_) {
+      pull_outwards(factor[middle + distance], block(middle + distance), block(middle + distance - 1));
+    }
   }
 }
 

@@ -38,12 +38,13 @@ std::array<Real, 3> end_scales(const AxisProblem& problem, std::size_t junction,
   return {1, ratio, ratio * ratio};
 }
 
-constexpr std::size_t kColumns = 2 * kBlockSize + 1;  // left block, right block, right-hand side
+constexpr std::size_t kColumns = 2 * kBlockSize + 1;  // outer block, inner block, right-hand side
 constexpr std::size_t kRhs = 2 * kBlockSize;
 using Row = std::array<Real, kColumns>;
 
-/// Rows over two neighbouring blocks: three carried over from the left, the three of the segment between the blocks and,
-/// in float, the hold of the left one. The counts are fixed so that the compiler can unroll.
+/// Rows over two neighbouring blocks, the inner one nearer to the middle of the chain: three carried over from the
+/// outside, the three of the segment between the blocks and, in float, the hold of the outer one. The counts are fixed
+/// so that the compiler can unroll.
 constexpr std::size_t kCarried = kBlockSize;
 constexpr std::size_t kHoldRow = kCarried + kBlockSize;
 constexpr std::size_t kRows = kHoldRow + (kHold > 0 ? 1 : 0);
@@ -78,7 +79,7 @@ inline void reflect(Rows& rows) {
   }
 }
 
-/// Makes the left position a constant: its part moves to the right-hand side.
+/// Makes the outer position a constant: its part moves to the right-hand side.
 void substitute_position(Rows& rows, Real value) {
   for (Row& row : rows) {
     row[kRhs] -= row[0] * value;
@@ -86,23 +87,28 @@ void substitute_position(Rows& rows, Real value) {
   }
 }
 
-/// Writes the three jerk rows of a segment over (left junction, right junction) behind the carried ones; a missing
+/// From which end of the chain the elimination comes.
+enum class Side : std::uint8_t { kLeft, kRight };
+
+/// Writes the three jerk rows of a segment over (outer junction, inner junction) behind the carried ones; a missing
 /// junction is a constant.
-void put_segment(const AxisProblem& problem, std::size_t segment, Rows& rows) {
+void put_segment(const AxisProblem& problem, std::size_t segment, Side side, Rows& rows) {
   const Real T = problem.durations[segment];
   const Real weight = 1 / (T * T * std::sqrt(T));
   const bool first = segment == 0;
   const bool last = segment + 1 == problem.segment_count();
   const std::array<Real, 3> left = first ? normalised(problem.start, T) : end_scales(problem, segment - 1, T);
   const std::array<Real, 3> right = last ? normalised(problem.goal, T) : end_scales(problem, segment, T);
+  const std::size_t left_at = side == Side::kLeft ? 0 : kBlockSize;
+  const std::size_t right_at = kBlockSize - left_at;
   for (std::size_t i = 0; i < kBlockSize; ++i) {
     Row& row = rows[kCarried + i];
     row = {};
     for (std::size_t j = 0; j < kBlockSize; ++j) {
       const Real at_left = weight * kJerkRows[i][j] * left[j];
       const Real at_right = weight * kJerkRows[i][kBlockSize + j] * right[j];
-      (first ? row[kRhs] : row[j]) += first ? -at_left : at_left;
-      (last ? row[kRhs] : row[kBlockSize + j]) += last ? -at_right : at_right;
+      row[first ? kRhs : left_at + j] += first ? -at_left : at_left;
+      row[last ? kRhs : right_at + j] += last ? -at_right : at_right;
     }
   }
 }
@@ -133,39 +139,25 @@ void store_block(const std::array<Row, kBlockSize>& rows, FactorBlock& block, Re
   }
 }
 
-/// Carries the rows from kDone on over to the next junction: they constrain the right block alone. At most three of
-/// them matter, the rest is residual.
-template <std::size_t kDone>
+/// The rows from kFirst on constrain the inner block alone: carries them over to its elimination.
+template <std::size_t kFirst>
 inline void carry_over(Rows& rows) {
-  if constexpr (kRows - kDone > kBlockSize) {
+  for (std::size_t i = 0; i < kCarried; ++i) {
+    const Row& from = rows[kFirst + i];
+    rows[i] = {from[3], from[4], from[5], 0, 0, 0, from[kRhs]};
+  }
+}
+
+/// The same after kDone rows were used up: at most three of those left matter, the rest is residual.
+template <std::size_t kDone>
+inline void reduce_and_carry_over(Rows& rows) {
+  if constexpr (kRows - kDone > kCarried) {
     reflect<kDone, kBlockSize, kRhs>(rows);
     reflect<kDone + 1, kBlockSize + 1, kRhs>(rows);
     reflect<kDone + 2, kBlockSize + 2, kRhs>(rows);
     rows[kDone + 1][kBlockSize] = rows[kDone + 2][kBlockSize] = rows[kDone + 2][kBlockSize + 1] = 0;
   }
-  for (std::size_t i = 0; i < kCarried; ++i) {
-    const Row& from = rows[kDone + i];
-    rows[i] = {from[3], from[4], from[5], 0, 0, 0, from[kRhs]};
-  }
-}
-
-/// Eliminates a junction from the rows, whose left block it is. A pinned position takes a row of its own, x = constant,
-/// and none of theirs.
-void eliminate_junction(const AxisProblem& problem, std::size_t k, Rows& rows, FactorBlock& block, Real* c) {
-  if (is_pinned(problem, k)) {
-    const Real position = gate_middle(problem, k);
-    substitute_position(rows, position);
-    reflect<0, 1, kRhs>(rows);
-    reflect<1, 2, kRhs>(rows);
-    store_block({Row{1, 0, 0, 0, 0, 0, position}, rows[0], rows[1]}, block, c);
-    carry_over<2>(rows);
-  } else {
-    reflect<0, 0, kRhs>(rows);
-    reflect<1, 1, kRhs>(rows);
-    reflect<2, 2, kRhs>(rows);
-    store_block({rows[0], rows[1], rows[2]}, block, c);
-    carry_over<3>(rows);
-  }
+  carry_over<kDone>(rows);
 }
 
 /// The row that holds a junction near the middle of its gate.
@@ -180,6 +172,45 @@ Row hold_row(const AxisProblem& problem, std::size_t junction) {
   return row;
 }
 
+/// Eliminates a junction from the rows, whose outer block it is. A pinned position takes a row of its own, x =
+/// constant, and none of theirs.
+void eliminate_junction(const AxisProblem& problem, std::size_t k, Rows& rows, FactorBlock& block, Real* c) {
+  if constexpr (kHold > 0) rows[kHoldRow] = hold_row(problem, k);
+  if (is_pinned(problem, k)) {
+    const Real position = gate_middle(problem, k);
+    substitute_position(rows, position);
+    reflect<0, 1, kRhs>(rows);
+    reflect<1, 2, kRhs>(rows);
+    store_block({Row{1, 0, 0, 0, 0, 0, position}, rows[0], rows[1]}, block, c);
+    reduce_and_carry_over<2>(rows);
+  } else {
+    reflect<0, 0, kRhs>(rows);
+    reflect<1, 1, kRhs>(rows);
+    reflect<2, 2, kRhs>(rows);
+    store_block({rows[0], rows[1], rows[2]}, block, c);
+    reduce_and_carry_over<3>(rows);
+  }
+}
+
+/// The rows that the segment at an end of the chain carries over to the junction next to it.
+Rows end_rows(const AxisProblem& problem, std::size_t segment, Side side) {
+  Rows rows{};
+  put_segment(problem, segment, side, rows);
+  carry_over<kCarried>(rows);
+  return rows;
+}
+
+/// Turns c of junction k into its optimum, the inner neighbour's being known.
+void settle_junction(const AxisProblem& problem, std::size_t k, std::size_t inner, std::span<FactorBlock> factor,
+                     std::span<Real> optimum) {
+  Real* x = &optimum[kBlockSize * k];
+  const Real* y = &optimum[kBlockSize * inner];
+  std::array<Real, 9>& e = factor[k].coupling;
+  for (std::size_t i = 0; i < kBlockSize; ++i) x[i] -= e[3 * i] * y[0] + e[3 * i + 1] * y[1] + e[3 * i + 2] * y[2];
+  // A pinned neighbour is a constant: it has shaped the optimum, but no step moves it.
+  if (is_pinned(problem, inner)) e[0] = e[3] = e[6] = 0;
+}
+
 }  // namespace
 
 void junction_scales(std::span<const Real> durations, std::span<Real> scales) {
@@ -187,26 +218,29 @@ void junction_scales(std::span<const Real> durations, std::span<Real> scales) {
 }
 
 void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum) {
-  const std::size_t junctions = problem.segment_count() - 1;
+  const std::size_t segments = problem.segment_count();
+  const std::size_t junctions = segments - 1;
   if (junctions == 0) return;
-  Rows rows{};
-  put_segment(problem, 0, rows);
-  // The first segment's right junction is the leftmost block of the chain.
-  for (std::size_t i = 0; i < kCarried; ++i) {
-    const Row& from = rows[kCarried + i];
-    rows[i] = {from[3], from[4], from[5], 0, 0, 0, from[kRhs]};
+  const std::size_t middle = middle_block(junctions);
+  const auto unknowns = [&](std::size_t k) { return &optimum[kBlockSize * k]; };
+  Rows left = end_rows(problem, 0, Side::kLeft);
+  Rows right = end_rows(problem, segments - 1, Side::kRight);
+  // In step, so that a processor may work on both halves at once; the left one is never the shorter.
+  for (std::size_t k = 0; k < middle; ++k) {
+    put_segment(problem, k + 1, Side::kLeft, left);
+    eliminate_junction(problem, k, left, factor[k], unknowns(k));
+    const std::size_t r = junctions - 1 - k;
+    if (r <= middle) continue;
+    put_segment(problem, r, Side::kRight, right);
+    eliminate_junction(problem, r, right, factor[r], unknowns(r));
   }
-  for (std::size_t k = 0; k < junctions; ++k) {
-    put_segment(problem, k + 1, rows);
-    if constexpr (kHold > 0) rows[kHoldRow] = hold_row(problem, k);
-    eliminate_junction(problem, k, rows, factor[k], &optimum[kBlockSize * k]);
-  }
-  for (std::size_t k = junctions - 1; k-- > 0;) {
-    Real* x = &optimum[kBlockSize * k];
-    std::array<Real, 9>& e = factor[k].coupling;
-    for (std::size_t i = 0; i < kBlockSize; ++i) x[i] -= e[3 * i] * x[3] + e[3 * i + 1] * x[4] + e[3 * i + 2] * x[5];
-    // A pinned neighbour is a constant: it has shaped the optimum, but no step moves it.
-    if (is_pinned(problem, k + 1)) e[0] = e[3] = e[6] = 0;
+  for (std::size_t i = 0; i < kCarried; ++i) left[kCarried + i] = right[i];
+  eliminate_junction(problem, middle, left, factor[middle], unknowns(middle));
+  for (std::size_t distance = 1; distance <= middle; ++distance) {
+    settle_junction(problem, middle - distance, middle - distance + 1, factor, optimum);
+    if (middle + distance < junctions) {
+      settle_junction(problem, middle + distance, middle + distance - 1, factor, optimum);
+    }
   }
 }
 

@@ -215,7 +215,9 @@ class AxisSolve {
       const std::size_t count = find_violations();
       if (count == 0) return Status::kOk;
       merging_ = sweep < kMergingSweeps;
+      const std::uint32_t before = rows_added_;
       if (const Status status = enforce_violations(count); status != Status::kOk) return status;
+      if (rows_added_ == before) return Status::kOk;  // every point keeps its bound; what is left is rounding
     }
     return Status::kIterationLimit;
   }
@@ -294,9 +296,9 @@ class AxisSolve {
     return pair;
   }
 
-  /// Window constraints (eq. 9, 14, 15). The worst gate of each neighbourhood joins at once: gates far apart hardly feel
-  /// each other, so the number of rounds hardly grows with the chain. The last rounds take one gate at a time, each of
-  /// which raises the dual cost.
+  /// Window constraints (eq. 9, 14, 15). The worst gate of each neighbourhood joins at once: gates far apart hardly
+  /// feel each other, so the number of rounds hardly grows with the chain. The last rounds take one gate at a time,
+  /// each of which raises the dual cost.
   Status enforce_gates() {
     for (std::uint32_t round = 0;; ++round) {
       const std::size_t count = find_violated_gates();

@@ -34,12 +34,20 @@ struct Fixture {
   }
   QpSpans spans() { return {factor, optimum, solution, work, rows, multipliers, target, gram}; }
 
+  /// The neighbour of block k towards the middle; k itself at the middle.
+  static std::size_t inner(std::size_t k) {
+    constexpr std::size_t kMiddle = middle_block(kBlocks);
+    return k < kMiddle ? k + 1 : k > kMiddle ? k - 1 : k;
+  }
+
   /// P (x - x0) = U' D' D U (x - x0).
   [[nodiscard]] std::array<Real, kUnknowns> gradient(std::span<const Real> x) const {
-    std::array<Real, kUnknowns> y{};
-    for (std::size_t i = 0; i < kUnknowns; ++i) y[i] = x[i] - optimum[i];
-    for (std::size_t k = 0; k + 1 < kBlocks; ++k) {  // U, upwards: block k + 1 is still untouched
-      for (std::size_t e = 0; e < 9; ++e) y[3 * k + e / 3] += factor[k].coupling[e] * y[3 * k + 3 + e % 3];
+    std::array<Real, kUnknowns> e{};
+    for (std::size_t i = 0; i < kUnknowns; ++i) e[i] = x[i] - optimum[i];
+    std::array<Real, kUnknowns> y = e;
+    for (std::size_t k = 0; k < kBlocks; ++k) {  // U
+      if (inner(k) == k) continue;
+      for (std::size_t i = 0; i < 9; ++i) y[3 * k + i / 3] += factor[k].coupling[i] * e[3 * inner(k) + i % 3];
     }
     for (std::size_t k = 0; k < kBlocks; ++k) {  // D' D, by solving with the inverse twice
       const std::array<Real, 6>& d = factor[k].inverse_diagonal;
@@ -51,10 +59,12 @@ struct Fixture {
       z[1] = (z[1] - d[1] * z[0]) / d[3];
       z[2] = (z[2] - d[2] * z[0] - d[4] * z[1]) / d[5];
     }
-    for (std::size_t k = kBlocks - 1; k-- > 0;) {  // U', downwards
-      for (std::size_t e = 0; e < 9; ++e) y[3 * k + 3 + e % 3] += factor[k].coupling[e] * y[3 * k + e / 3];
+    std::array<Real, kUnknowns> g = y;
+    for (std::size_t k = 0; k < kBlocks; ++k) {  // U'
+      if (inner(k) == k) continue;
+      for (std::size_t i = 0; i < 9; ++i) g[3 * inner(k) + i % 3] += factor[k].coupling[i] * y[3 * k + i / 3];
     }
-    return y;
+    return g;
   }
 };
 

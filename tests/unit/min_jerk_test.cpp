@@ -54,9 +54,11 @@ struct Chain {
   /// |D U e|^2.
   [[nodiscard]] Real factored_norm(const std::array<Real, kUnknowns>& e) const {
     Real sum = 0;
+    constexpr std::size_t kMiddle = middle_block(kSegments - 1);
     for (std::size_t k = 0; k + 1 < kSegments; ++k) {
+      const std::size_t inner = k < kMiddle ? k + 1 : k - 1;
       std::array<Real, 3> y{e[3 * k], e[3 * k + 1], e[3 * k + 2]};
-      for (std::size_t i = 0; i < 9 && k + 2 < kSegments; ++i) y[i / 3] += factor[k].coupling[i] * e[3 * k + 3 + i % 3];
+      for (std::size_t i = 0; i < 9 && k != kMiddle; ++i) y[i / 3] += factor[k].coupling[i] * e[3 * inner + i % 3];
       // D y by back substitution on its inverse.
       const std::array<Real, 6>& d = factor[k].inverse_diagonal;
       const Real z2 = y[2] / d[5];

@@ -15,13 +15,17 @@ namespace swiftlet {
 /// caller finds them violated; nothing here knows of flight.
 inline constexpr std::size_t kBlockSize = 3;
 
-/// Block k of the factor P = U' D' D U: U is unit block bidiagonal, with `coupling` (row-major) the block that
-/// multiplies x_{k+1}; D is block diagonal and upper triangular, kept as its inverse (row-major: 00 01 02 11 12 22). In
-/// a substitution only the couplings wait for each other, one 3 x 3 product a block.
+/// Block k of the factor P = U' D' D U: U is unit block triangular from both ends of the chain towards its middle
+/// block, with `coupling` (row-major) the block that multiplies the neighbour of x_k on the way there (none at the
+/// middle); D is block diagonal and upper triangular, kept as its inverse (row-major: 00 01 02 11 12 22). In a
+/// substitution only the couplings wait for each other, one 3 x 3 product a block, and the two halves run side by side.
 struct FactorBlock {
   std::array<Real, 6> inverse_diagonal;
   std::array<Real, 9> coupling;
 };
+
+/// The block of a chain of `block_count` where both halves of the factor meet.
+constexpr std::size_t middle_block(std::size_t block_count) { return block_count / 2; }
 
 /// What the caller wants to find again in an active row; the solver only carries it.
 struct QpLabel {
@@ -81,9 +85,10 @@ class DualActiveSet {
   [[nodiscard]] std::uint32_t iterations() const { return iterations_; }
 
  private:
-  Status append(const QpRow& row, Real weight);
+  Status append(const QpRow& row, Real weight, bool dependent);
   void push(const QpRow& row, Real multiplier);
   Status finish(Status appended);
+  void find_target();
   Status settle();
   Result<bool> row_is_independent(const QpRow& row);
   [[nodiscard]] std::size_t blocking_row(std::span<const Real> direction, Real& step) const;
@@ -91,7 +96,7 @@ class DualActiveSet {
   void update_solution();
   void solve_gram_lower(std::span<Real> rhs) const;
   void solve_gram_upper(std::span<Real> rhs) const;
-  void solve_hessian(std::span<Real> rhs, std::size_t first_block) const;
+  void solve_hessian(std::span<Real> rhs, std::size_t first_block, std::size_t last_block) const;
 
   QpSpans spans_;
   std::size_t block_count_;

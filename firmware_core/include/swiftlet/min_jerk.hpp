@@ -35,8 +35,9 @@ inline bool is_pinned(const AxisProblem& problem, std::size_t junction) {
   return problem.gate_hi(junction) - problem.gate_lo(junction) <= kThinGate;
 }
 
-/// Factors the jerk cost as |R x - c|^2 by orthogonal elimination over the chain of segments: the three Legendre
-/// coefficients of each segment's jerk are its rows, so R carries the square root of the Hessian's condition. In
+/// Factors the jerk cost as |R x - c|^2 by orthogonal elimination over the chain of segments, from both ends to the
+/// middle: the three Legendre coefficients of each segment's jerk are its rows, so R carries the square root of the
+/// Hessian's condition. In
 /// float a weak hold draws each junction to the middle of its gate (kHold in the source says what it costs). Cost O(M).
 ///   factor   receives M - 1 blocks of R = D U
 ///   optimum  receives the 3 (M - 1) unknowns of the unconstrained optimum
