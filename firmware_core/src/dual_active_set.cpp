@@ -69,26 +69,13 @@ DualActiveSet::DualActiveSet(const QpSpans& spans, std::size_t block_count, std:
   std::copy(spans_.optimum.begin(), spans_.optimum.end(), spans_.solution.begin());
 }
 
-Status DualActiveSet::enforce(const QpRow& row) {
-  Status status = append(row, 0, false);
-  if (status != Status::kOk) return status;
-  find_target();
-  // A violated row pulls; where rounding says otherwise, hardly any of it was its own.
-  if (spans_.target[active_count_ - 1] < 0) {
-    drop(active_count_ - 1);
-    status = append(row, 0, true);
-    if (status == Status::kOk) find_target();
-  }
-  return finish(status);
-}
+Status DualActiveSet::enforce(const QpRow& row) { return finish(append(row, 0)); }
 
 Status DualActiveSet::merge(std::size_t first, std::size_t second, const QpRow& row) {
   const Real weight = spans_.multipliers[first] + spans_.multipliers[second];
   drop(second);
   drop(first);
-  const Status status = append(row, weight, false);
-  if (status == Status::kOk) find_target();
-  return finish(status);
+  return finish(append(row, weight));
 }
 
 Status DualActiveSet::finish(Status status) {
@@ -106,10 +93,7 @@ Status DualActiveSet::join(const QpRow& row) {
   return Status::kOk;
 }
 
-Status DualActiveSet::move() {
-  find_target();
-  return finish(Status::kOk);
-}
+Status DualActiveSet::move() { return finish(Status::kOk); }
 
 void DualActiveSet::push(const QpRow& row, Real multiplier) {
   spans_.rows[active_count_] = row;
@@ -117,16 +101,14 @@ void DualActiveSet::push(const QpRow& row, Real multiplier) {
 }
 
 /// Makes `row` active with a multiplier of at least `weight`. While it depends on the active rows, weight moves from
-/// them to it until one of them lets go; when none can, the rows contradict each other. `dependent`: it is known to
-/// depend on those active now.
-Status DualActiveSet::append(const QpRow& row, Real weight, bool dependent) {
+/// them to it until one of them lets go; when none can, the rows contradict each other.
+Status DualActiveSet::append(const QpRow& row, Real weight) {
   const std::span<Real> direction = spans_.target;
   while (true) {
     if (active_count_ == spans_.rows.size() || ++iterations_ > iteration_limit_) return Status::kIterationLimit;
     const Result<bool> independent = row_is_independent(row);
     if (!independent.ok()) return independent.status();
-    if (*independent && !dependent) break;
-    dependent = false;
+    if (*independent) break;
     solve_gram_upper(direction);
     Real step = 0;
     const std::size_t blocking = blocking_row(direction, step);
@@ -172,20 +154,16 @@ std::size_t DualActiveSet::blocking_row(std::span<const Real> direction, Real& s
   return blocking;
 }
 
-/// The multipliers at the optimum of the active rows taken as equalities, into `target`.
-void DualActiveSet::find_target() {
-  for (std::size_t j = 0; j < active_count_; ++j) {
-    spans_.target[j] = row_value(spans_.rows[j], spans_.optimum) - spans_.rows[j].bound;
-  }
-  solve_gram_lower(spans_.target);
-  solve_gram_upper(spans_.target);
-}
-
-/// Moves the multipliers to the target; a row whose multiplier would turn negative on the way is dropped and the target
-/// is sought again.
+/// Moves the multipliers to the optimum of the active rows taken as equalities; a row whose multiplier would turn
+/// negative on the way is dropped and the optimum is sought again.
 Status DualActiveSet::settle() {
   while (true) {
     const std::span<Real> target = spans_.target;
+    for (std::size_t j = 0; j < active_count_; ++j) {
+      target[j] = row_value(spans_.rows[j], spans_.optimum) - spans_.rows[j].bound;
+    }
+    solve_gram_lower(target);
+    solve_gram_upper(target);
     Real step = 1;
     std::size_t blocking = active_count_;
     for (std::size_t j = 0; j < active_count_; ++j) {
@@ -204,7 +182,6 @@ Status DualActiveSet::settle() {
     if (blocking == active_count_) return Status::kOk;
     if (++iterations_ > iteration_limit_) return Status::kIterationLimit;
     drop(blocking);
-    find_target();
   }
 }
 

@@ -85,10 +85,9 @@ class DualActiveSet {
   [[nodiscard]] std::uint32_t iterations() const { return iterations_; }
 
  private:
-  Status append(const QpRow& row, Real weight, bool dependent);
+  Status append(const QpRow& row, Real weight);
   void push(const QpRow& row, Real multiplier);
   Status finish(Status appended);
-  void find_target();
   Status settle();
   Result<bool> row_is_independent(const QpRow& row);
   [[nodiscard]] std::size_t blocking_row(std::span<const Real> direction, Real& step) const;
