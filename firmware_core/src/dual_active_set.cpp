@@ -69,6 +69,12 @@ DualActiveSet::DualActiveSet(const QpSpans& spans, std::size_t block_count, std:
   std::copy(spans_.optimum.begin(), spans_.optimum.end(), spans_.solution.begin());
 }
 
+Real DualActiveSet::residual() const {
+  Real largest = 0;
+  for (const QpRow& row : active_rows()) largest = std::max(largest, std::fabs(row_value(row, solution()) - row.bound));
+  return largest;
+}
+
 Status DualActiveSet::enforce(const QpRow& row) { return finish(append(row, 0)); }
 
 Status DualActiveSet::merge(std::size_t first, std::size_t second, const QpRow& row) {

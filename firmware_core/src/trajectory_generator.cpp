@@ -442,6 +442,7 @@ Status solve_axis(const AxisBounds& bounds, const TrajectorySpans& spans, std::s
     return status;
   }
   report.active += static_cast<std::uint32_t>(solve.solver().active_count());
+  report.residual = std::max(report.residual, solve.solver().residual());
   emit_axis(bounds, solve.solver().solution(), segments);
   if (warm) keep_labels(solve.solver(), warm->labels[axis], warm->count[axis]);
   if (!gradient.empty()) add_gradient(bounds, solve.solver(), gradient);

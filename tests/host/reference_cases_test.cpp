@@ -96,6 +96,7 @@ TEST(ReferenceCases, EveryCaseIsAnsweredWithinItsBoundsAtItsCost) {
       continue;
     }
     ASSERT_EQ(status, Status::kOk) << name;
+    EXPECT_LE(report.residual, kExcess) << name;
     EXPECT_LE(largest_excess(reference.problem, segments), kExcess) << name;
     if (!feasible) continue;
     double cost = 0;

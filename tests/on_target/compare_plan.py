@@ -15,6 +15,7 @@ import sys
 
 RADIUS, V_MAX, A_MAX = "0.15", "1", "2"
 MAP_REGION = 0x60000000
+MOST_STACK = 8192  # bytes, from the query to the certified trajectory
 
 
 def bits(value):
@@ -71,6 +72,8 @@ def main():
         sys.exit(f"the host has {len(expected)} lines, the board {len(actual)}")
     if not any(line.startswith("duration") for line in actual):
         sys.exit(f"there is no trajectory to compare: {actual[0]}")
+    if int(stack.split()[-1]) > MOST_STACK:
+        sys.exit(f"the plan took {stack} bytes of stack; at most {MOST_STACK} are allowed")
     print(f"{actual[0]}; {len(actual)} lines are equal to the last bit; {stack} bytes")
 
 

@@ -111,6 +111,7 @@ TEST(DualActiveSet, SolutionsMeetTheKktConditions) {
     ASSERT_EQ(status, Status::kOk);
     ++solved;
     constrained += solver.active_count() > 0 ? 1 : 0;
+    EXPECT_LE(solver.residual(), kIsDouble ? 1e-9 : 1e-3);
     std::array<Real, kUnknowns> residual = fixture.gradient(solver.solution());
     for (std::size_t j = 0; j < solver.active_count(); ++j) {
       const QpRow& row = solver.active_rows()[j];

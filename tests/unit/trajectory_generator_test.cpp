@@ -200,6 +200,12 @@ TEST(TrajectoryGenerator, ACorridorLongerThanTheStorageIsRefused) {
   EXPECT_EQ(generate_trajectory(longer.problem(), small.spans(), segments, report), Status::kCorridorCapacity);
 }
 
+TEST(TrajectoryGenerator, SixtyFourSegmentsFitInto64KiB) {
+  constexpr std::size_t kBytes = sizeof(TrajectoryStorage<64>) + sizeof(RefinementStorage<64>);
+  static_assert(kBytes <= 64 * 1024, "memory of the trajectory stage, refinement of times included");
+  EXPECT_LE(kBytes, (kIsDouble ? std::size_t{64} : std::size_t{40}) * 1024);
+}
+
 TEST(StopAtGates, ReachesItsPointsAtRestWithinTheLimits) {
   const RandomCorridor corridor(9, 5, true);
   std::array<Segment, 5> stop;

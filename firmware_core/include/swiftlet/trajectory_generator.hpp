@@ -56,6 +56,7 @@ struct TrajectoryReport {
   std::uint32_t qp_iterations = 0;      ///< active-set steps, all axes, all solves
   std::uint32_t constraints_added = 0;  ///< rows ever generated
   std::uint32_t active = 0;             ///< rows active at the end, all axes
+  Real residual = 0;                    ///< largest distance of an active row from its bound [m, m/s, m/s^2]
   Real time_scale = 1;                  ///< durations of the answer over those of the first allocation
   FallbackReason fallback_reason = FallbackReason::kNone;
   Blocking blocking;  ///< meaningful with kInfeasible

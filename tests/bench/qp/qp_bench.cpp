@@ -1,6 +1,7 @@
 // The trajectory QPs of Sec. IV, solved by the core and by public solvers with the paper's loop (Sec. IV-C), on the
 // same corridors, interleaved in one run. Run by run.sh; prints Markdown.
-//   qp_bench [--quick] [--cases FILE] [--only NAME]
+//   qp_bench [--quick] [--cases FILE] [--only NAME] [--limits]
+// --limits prints instead what the caps of the core are derived from: iterations and active rows at zero margins.
 // Time of a trajectory: three axes, all rounds, best of a few repetitions, in thread CPU time. A peer's time is that of
 // its solver calls alone; ours includes the checks for violations and the emission of the polynomials.
 #include <cstdio>
@@ -242,6 +243,7 @@ double quantile(std::vector<double> values, double share) {
 
 struct Options {
   bool quick = false;
+  bool limits = false;
   std::string cases;
   std::string only;
 };
@@ -340,6 +342,34 @@ void print_table(const char* title, std::span<const std::size_t> lengths, std::s
   std::fflush(stdout);
 }
 
+/// The largest counts of one length over all sets, infeasible corridors included, summed over the axes.
+void print_limits(const Options& options, std::size_t count) {
+  std::uint32_t iterations = 0;
+  std::uint32_t active = 0;
+  std::size_t solves = 0;
+  std::size_t capped = 0;
+  for (const Gates gates : {Gates::kWindows, Gates::kRelaxed}) {
+    for (const Times times : {Times::kTrap, Times::kTight}) {
+      for (const Corridor& corridor : corridors(options, gates, times, count)) {
+        TrajectoryProblem problem = corridor.problem();
+        problem.margins = {};
+        std::vector<Segment> segments(count);
+        TrajectoryReport report;
+        const Status status = generate_trajectory(problem, shared_storage().spans(), segments, report);
+        ++solves;
+        if (status == Status::kIterationLimit) {
+          ++capped;
+          continue;
+        }
+        iterations = std::max(iterations, report.qp_iterations);
+        active = std::max(active, report.active);
+      }
+    }
+  }
+  std::printf("M=%zu: %zu corridors, %zu met the cap, the others took at most %u iterations and %u active rows\n",
+              count, solves, capped, iterations, active);
+}
+
 int run(const Options& options) {
   std::vector<std::unique_ptr<Peer>> peers;
   const auto add = [&](std::vector<std::unique_ptr<Peer>> some) {
@@ -367,6 +397,10 @@ int run(const Options& options) {
   add(make_osqp());
 #endif
   const std::vector<std::size_t> lengths{5, 10, 20, 40, 80, 160, 320};
+  if (options.limits) {
+    for (const std::size_t count : lengths) print_limits(options, count);
+    return 0;
+  }
   std::printf(
       "Median CPU time of a trajectory in ms; in brackets the ratio to the first peer. Corridors counted: M=... "
       "(n).\n");
@@ -392,6 +426,8 @@ int main(int argc, char** argv) {
     const bool more = i + 1 < argc;
     if (std::strcmp(argv[i], "--quick") == 0)
       options.quick = true;
+    else if (std::strcmp(argv[i], "--limits") == 0)
+      options.limits = true;
     else if (std::strcmp(argv[i], "--cases") == 0 && more)
       options.cases = argv[++i];
     else if (std::strcmp(argv[i], "--only") == 0 && more)
