@@ -20,8 +20,8 @@ struct BoardMemory {
   std::uint64_t planner_bytes;  ///< of data memory, for PlannerStorage
 };
 
-/// Rows active at once on one axis: every junction against its gate, and a few extrema. Measured (`qp_bench --limits` of
-/// tests/bench/qp): 16 at the optimum of 10 segments, 50 of 40, 83 of 80, 281 of 320, the three axes together.
+/// Rows active at once on one axis: every junction against its gate, and a few extrema. Measured (`qp_bench --limits`
+/// of tests/bench/qp): 16 at the optimum of 10 segments, 50 of 40, 83 of 80, 281 of 320, the three axes together.
 constexpr std::size_t active_rows(std::size_t segments) { return segments + 16; }
 
 /// Memory of the trajectory stage for up to `kSegments` segments, trivially destructible.
