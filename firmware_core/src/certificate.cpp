@@ -130,12 +130,38 @@ struct Extremes {
   Vector3 acceleration = Vector3::Zero();
   Real speed2 = 0;
   Real acceleration2 = 0;
+  Vector3 jerk = Vector3::Zero();
+  Real jerk2 = 0;
+  Real least_thrust2 = kInfinity;  // thrust over mass, squared [m^2/s^4]
+  Real most_thrust2 = 0;
+  Real rate = 0;
 };
 
-void visit_segment(const Segment& segment, const Box& box, Extremes& extremes) {
+/// Square root, rounded up.
+Real root_up(Real square) { return std::sqrt(square) * (1 + 2 * kEpsilon); }
+
+/// Square root, rounded down; 0 for a bound below zero.
+Real root_down(Real square) { return square > 0 ? std::sqrt(square) * (1 - 2 * kEpsilon) : Real(0); }
+
+/// Thrust m |a + g e_z| and body rates, which are at most |jerk| / |a + g e_z| (Sec. IV-A).
+void visit_thrust(std::array<Bernstein<3>, 3> force, const Bernstein<4>& jerk2, Extremes& extremes) {
+  for (Real& point : force[2].points) point += kGravity;
+  force[2].error += kEpsilon * (largest_magnitude(force[2].points) + kGravity);
+  Bernstein<6> thrust2;
+  for (const Bernstein<3>& component : force) add_square(component, thrust2);
+  extremes.most_thrust2 = upper_bound(thrust2, extremes.most_thrust2);
+  const Real least = -upper_bound(negated(thrust2), -kInfinity);
+  extremes.least_thrust2 = std::min(extremes.least_thrust2, least);
+  const Real rate = root_up(upper_bound(jerk2, 0)) / root_down(least) * (1 + 2 * kEpsilon);
+  extremes.rate = std::max(extremes.rate, least > 0 ? rate : kInfinity);
+}
+
+void visit_segment(const Segment& segment, const Box& box, bool has_vehicle, Extremes& extremes) {
   const Real T = segment.duration;
   Bernstein<8> speed2;
   Bernstein<6> acceleration2;
+  Bernstein<4> jerk2;
+  std::array<Bernstein<3>, 3> accelerations;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto row = static_cast<Eigen::Index>(axis);
     const std::array<Real, kQuinticTerms>& c = segment.coefficients[axis];
@@ -151,11 +177,18 @@ void visit_segment(const Segment& segment, const Box& box, Extremes& extremes) {
     extremes.speed[row] = upper_bound(negated(v), extremes.speed[row]);
     extremes.acceleration[row] = upper_bound(a, extremes.acceleration[row]);
     extremes.acceleration[row] = upper_bound(negated(a), extremes.acceleration[row]);
+    const Bernstein<2> j = to_bernstein<2>({6 * c[3], 24 * c[4], 60 * c[5]}, T);
+    extremes.jerk[row] = upper_bound(j, extremes.jerk[row]);
+    extremes.jerk[row] = upper_bound(negated(j), extremes.jerk[row]);
     add_square(v, speed2);
     add_square(a, acceleration2);
+    add_square(j, jerk2);
+    accelerations[axis] = a;
   }
   extremes.speed2 = upper_bound(speed2, extremes.speed2);
   extremes.acceleration2 = upper_bound(acceleration2, extremes.acceleration2);
+  extremes.jerk2 = upper_bound(jerk2, extremes.jerk2);
+  if (has_vehicle) visit_thrust(accelerations, jerk2, extremes);
 }
 
 std::array<Vector3, 3> state_of(const Sample& sample) {
@@ -182,9 +215,6 @@ bool lies_in(const Vector3& point, const Box& box) {
   return (point.array() >= box.lo.array() - kTolerance).all() && (point.array() <= box.hi.array() + kTolerance).all();
 }
 
-/// Square root, rounded up.
-Real root_up(Real square) { return std::sqrt(square) * (1 + 2 * kEpsilon); }
-
 bool has_form(std::span<const Segment> segments, const CertificateRequest& request) {
   if (segments.empty() || request.boxes.size() != segments.size()) return false;
   if (request.gates.size() + 1 != segments.size()) return false;
@@ -194,7 +224,30 @@ bool has_form(std::span<const Segment> segments, const CertificateRequest& reque
   return true;
 }
 
+bool keeps_vehicle(const Certificate& certificate, const std::optional<Vehicle>& vehicle) {
+  return !vehicle || (certificate.min_thrust >= vehicle->thrust_min - kTolerance &&
+                      certificate.max_thrust <= vehicle->thrust_max + kTolerance &&
+                      certificate.max_rate <= vehicle->rate_max + kTolerance);
+}
+
 }  // namespace
+
+CertificateRequest certificate_request(const FlightLimits& limits) {
+  const bool per_axis = limits.norm == LimitNorm::kAxis;
+  const auto axes = [&](Real limit) { return Vector3::Constant(per_axis ? limit : kInfinity); };
+  const auto norm = [&](Real limit) { return per_axis ? kInfinity : limit; };
+  return {{},
+          {},
+          {},
+          {},
+          axes(limits.v_max),
+          axes(limits.a_max),
+          norm(limits.v_max),
+          norm(limits.a_max),
+          axes(limits.j_max),
+          norm(limits.j_max),
+          limits.vehicle};
+}
 
 Certificate certify(std::span<const Segment> segments, const CertificateRequest& request) {
   Certificate certificate;
@@ -203,7 +256,7 @@ Certificate certify(std::span<const Segment> segments, const CertificateRequest&
   Extremes extremes;
   bool gates_kept = true;
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    visit_segment(segments[i], request.boxes[i], extremes);
+    visit_segment(segments[i], request.boxes[i], request.vehicle.has_value(), extremes);
     if (i + 1 == segments.size()) continue;
     const Sample end = sample_segment(segments[i], segments[i].duration);
     raise_to_difference(state_of(end), state_of(sample_segment(segments[i + 1], 0)), certificate.max_jump);
@@ -218,12 +271,22 @@ Certificate certify(std::span<const Segment> segments, const CertificateRequest&
   certificate.max_acceleration = extremes.acceleration;
   certificate.max_speed_norm = root_up(extremes.speed2);
   certificate.max_acceleration_norm = root_up(extremes.acceleration2);
+  certificate.max_jerk = extremes.jerk;
+  certificate.max_jerk_norm = root_up(extremes.jerk2);
+  if (request.vehicle) {
+    certificate.min_thrust = request.vehicle->mass * root_down(extremes.least_thrust2) * (1 - kEpsilon);
+    certificate.max_thrust = request.vehicle->mass * root_up(extremes.most_thrust2) * (1 + kEpsilon);
+    certificate.max_rate = extremes.rate;
+  }
   certificate.pass = certificate.box_margin >= -kTolerance && gates_kept &&
                      (extremes.speed.array() <= request.v_max.array() + kTolerance).all() &&
                      (extremes.acceleration.array() <= request.a_max.array() + kTolerance).all() &&
                      certificate.max_speed_norm <= request.speed_max + kTolerance &&
                      certificate.max_acceleration_norm <= request.acceleration_norm_max + kTolerance &&
-                     within(certificate.max_jump, kJumpLimits) && within(certificate.max_end_error, kJumpLimits);
+                     (extremes.jerk.array() <= request.j_max.array() + kTolerance).all() &&
+                     certificate.max_jerk_norm <= request.jerk_norm_max + kTolerance &&
+                     keeps_vehicle(certificate, request.vehicle) && within(certificate.max_jump, kJumpLimits) &&
+                     within(certificate.max_end_error, kJumpLimits);
   return certificate;
 }
 

@@ -17,11 +17,15 @@ Real leg_length(std::span<const Vector3> points, std::size_t leg) {
   return (points[leg + 1] - points[leg]).cwiseAbs().maxCoeff();
 }
 
+std::size_t room_of(const KnottedCorridor& corridor) {
+  return std::min(
+      {corridor.int_boxes.size(), corridor.boxes.size(), corridor.gates.size() + 1, corridor.points.size() - 1});
+}
+
 }  // namespace
 
 std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Real longest_leg) {
-  const std::size_t room = std::min(
-      {corridor.int_boxes.size(), corridor.boxes.size(), corridor.gates.size() + 1, corridor.points.size() - 1});
+  const std::size_t room = room_of(corridor);
   std::size_t wanted = 0;
   for (std::size_t i = 0; i < count; ++i) wanted += pieces_of(leg_length(corridor.points, i), longest_leg);
   if (wanted > room) return count;
@@ -45,6 +49,23 @@ std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Rea
     end -= pieces;
   }
   return wanted;
+}
+
+bool repeat_first_box(const KnottedCorridor& corridor, std::size_t count, std::size_t copies) {
+  if (count + copies > room_of(corridor)) return false;
+  corridor.points[count + copies] = corridor.points[count];
+  for (std::size_t i = count; i-- > 0;) {
+    corridor.int_boxes[i + copies] = corridor.int_boxes[i];
+    corridor.boxes[i + copies] = corridor.boxes[i];
+    if (i > 0) corridor.gates[i + copies - 1] = corridor.gates[i - 1];
+    if (i > 0) corridor.points[i + copies] = corridor.points[i];
+  }
+  for (std::size_t i = 0; i < copies; ++i) {
+    corridor.int_boxes[i] = corridor.int_boxes[copies];
+    corridor.boxes[i] = corridor.boxes[copies];
+    corridor.gates[i] = corridor.boxes[copies];
+  }
+  return true;
 }
 
 void split_segment(const Segment& segment, std::span<Segment> pieces) {

@@ -54,8 +54,10 @@ bool is_positive_finite(Real value) { return value > 0 && value < std::numeric_l
 
 }  // namespace
 
-Status allocate_durations(std::span<const Vector3> points, const SpeedLimits& limits, std::span<Real> durations) {
-  if (points.size() < 2 || !is_positive_finite(limits.v_max) || !is_positive_finite(limits.a_max)) {
+Status allocate_durations(std::span<const Vector3> points, const SpeedLimits& limits, std::span<Real> durations,
+                          Real start_speed) {
+  if (!(start_speed >= 0) || points.size() < 2 || !is_positive_finite(limits.v_max) ||
+      !is_positive_finite(limits.a_max)) {
     return Status::kBadRequest;
   }
   const Real length = polyline_length(points);
@@ -63,8 +65,9 @@ Status allocate_durations(std::span<const Vector3> points, const SpeedLimits& li
   const std::size_t count = points.size() - 1;
   if (durations.size() < count) return Status::kBufferTooSmall;
 
-  const SpeedProfile profile(length, limits);
-  Real travelled = 0;
+  const Real run_up = start_speed * start_speed / (2 * limits.a_max);  // that would have led to the start's speed
+  const SpeedProfile profile(length + run_up, limits);
+  Real travelled = run_up;
   Real total = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Real next = travelled + (points[i + 1] - points[i]).norm();

@@ -10,9 +10,9 @@ constexpr int kMostHalvings = 6;
 constexpr Real kLargestStep = Real(1.5);  // factor on a duration in one step
 // No segment is refined to less than this share of the mean: the cost's condition grows with the ratio's fifth power.
 constexpr Real kShortestShare = Real(0.05);
+// A step that improves the objective by less than this share is the last one.
+constexpr Real kLeastGain = Real(1e-3);
 
-// Trials are compared, not flown: a rough solve will do.
-constexpr SolveEffort kTrialEffort{.tolerance = sizeof(Real) == 8 ? Real(1e-4) : Real(5e-4), .steps_per_segment = 3};
 // The best trial may be feasible only within a trial's tolerance; then its durations are stretched a little.
 constexpr Real kRepairStretch = Real(1.002);
 constexpr int kRepairs = 10;
@@ -35,59 +35,125 @@ Real step_factor(Real gradient, Real weight, int halvings) {
   return std::clamp(factor, 1 / largest, largest);
 }
 
+class Refinement {
+ public:
+  Refinement(const TrajectoryProblem& problem, const RefinementOptions& options, const TrajectorySpans& trajectory,
+             RefinementSpans& spans, std::span<Real> durations, std::span<Segment> segments, TrajectoryReport& report)
+      : problem_(problem),
+        options_(options),
+        trajectory_(trajectory),
+        warm_(spans.warm),
+        durations_(durations),
+        trial_(spans.trial.first(durations.size())),
+        gradient_(spans.gradient.first(durations.size())),
+        segments_(segments.first(durations.size())),
+        report_(report) {}
+
+  Status run() {
+    if (options_.work > 0) {
+      if (const Status status = improve(); status != Status::kOk) return status;
+    }
+    return finish();
+  }
+
+ private:
+  Status solve(std::span<const Real> durations, const SolveEffort& effort) {
+    TrajectoryProblem attempt = problem_;
+    attempt.durations = durations;
+    attempt.effort = effort;
+    const std::uint64_t work = report_.work;
+    const std::uint32_t iterations = report_.qp_iterations;
+    const Status status = generate_trajectory(attempt, trajectory_, segments_, report_, &warm_, gradient_);
+    last_work_ = report_.work;
+    report_.work += work;
+    report_.qp_iterations += iterations;
+    return status;
+  }
+
+  /// The factor by which the trajectory just solved must be slowed down as a whole.
+  [[nodiscard]] Real whole_slow_down() const {
+    Real factor = 1;
+    if (!options_.bounds.exceed_axes()) return factor;
+    for (const Segment& segment : segments_) factor = std::max(factor, slow_down(segment, options_.bounds));
+    return factor;
+  }
+
+  /// Of the trajectory just solved, slowed down where it must be.
+  Real objective(std::span<const Real> durations) {
+    slow_down_ = whole_slow_down();
+    const Real s5 = slow_down_ * slow_down_ * slow_down_ * slow_down_ * slow_down_;
+    return (jerk_cost(segments_, 0) + jerk_cost(segments_, 1) + jerk_cost(segments_, 2)) / s5 +
+           options_.time_weight * slow_down_ * sum(durations);
+  }
+
+  /// From the gradient at the durations, and slower where a bound of norm or jerk asks for it.
+  void propose(int halvings) {
+    const Real shortest = kShortestShare * sum(durations_) / static_cast<Real>(durations_.size());
+    for (std::size_t i = 0; i < durations_.size(); ++i) {
+      Real factor = step_factor(gradient_[i], options_.time_weight, halvings);
+      if (slow_down_ > 1) factor = std::max(factor, std::sqrt(slow_down(segments_[i], options_.bounds)));
+      trial_[i] = std::max(factor * durations_[i], std::min(shortest, durations_[i]));
+    }
+  }
+
+  Status improve() {
+    const std::uint64_t limit = report_.work + options_.work;
+    const Status status = solve(durations_, kTrialEffort);
+    if (status != Status::kOk) return status;
+    Real best = objective(durations_);
+    Real best_slow_down = slow_down_;
+    int halvings = 0;
+    bool current = true;  // segments and gradient belong to `durations_`
+    while (report_.work + last_work_ <= limit && halvings <= kMostHalvings) {
+      if (current) {
+        propose(halvings);
+      } else {
+        for (std::size_t i = 0; i < trial_.size(); ++i) trial_[i] = std::sqrt(trial_[i] * durations_[i]);
+      }
+      const Real reached = solve(trial_, kTrialEffort) == Status::kOk ? objective(trial_) : kUnlimited;
+      current = reached < best;
+      halvings += current ? 0 : 1;
+      if (!current) continue;
+      std::copy(trial_.begin(), trial_.end(), durations_.begin());
+      best_slow_down = slow_down_;
+      const bool is_last = best - reached < kLeastGain * best;
+      best = reached;
+      if (is_last) break;
+    }
+    for (Real& duration : durations_) duration *= best_slow_down;
+    return status;
+  }
+
+  /// The trajectory of the durations, exactly.
+  Status finish() {
+    Status status = solve(durations_, problem_.effort);
+    for (int repair = 0; repair < kRepairs && status != Status::kOk; ++repair) {
+      if (status == Status::kIterationLimit && problem_.effort.most_steps < SolveEffort{}.most_steps) break;
+      for (Real& duration : durations_) duration *= kRepairStretch;
+      status = solve(durations_, problem_.effort);
+    }
+    return status;
+  }
+
+  const TrajectoryProblem& problem_;
+  const RefinementOptions& options_;
+  const TrajectorySpans& trajectory_;
+  WarmStart& warm_;
+  std::span<Real> durations_;
+  std::span<Real> trial_;
+  std::span<Real> gradient_;
+  std::span<Segment> segments_;
+  TrajectoryReport& report_;
+  std::uint64_t last_work_ = 0;
+  Real slow_down_ = 1;
+};
+
 }  // namespace
 
 Status refine_durations(const TrajectoryProblem& problem, const RefinementOptions& options,
-                        const TrajectorySpans& trajectory, const RefinementSpans& spans, std::span<Real> durations,
+                        const TrajectorySpans& trajectory, RefinementSpans& spans, std::span<Real> durations,
                         std::span<Segment> segments, TrajectoryReport& report) {
-  const std::size_t count = durations.size();
-  const std::span<Real> trial = spans.trial.first(count);
-  const std::span<Real> gradient = spans.gradient.first(count);
-  WarmStart warm = spans.warm;
-  TrajectoryProblem attempt = problem;
-  attempt.effort = kTrialEffort;
-  std::uint32_t iterations = report.qp_iterations;
-  const auto solve = [&](std::span<const Real> times) {
-    attempt.durations = times;
-    const Status status = generate_trajectory(attempt, trajectory, segments, report, &warm, gradient);
-    iterations += report.qp_iterations;
-    report.qp_iterations = iterations;
-    return status;
-  };
-  const auto objective = [&](std::span<const Real> times) {
-    return jerk_cost(segments, 0) + jerk_cost(segments, 1) + jerk_cost(segments, 2) + options.time_weight * sum(times);
-  };
-
-  Status status = solve(durations);
-  if (status != Status::kOk) return status;
-  Real best = objective(durations);
-  int halvings = 0;
-  bool current = true;  // segments and gradient belong to `durations`
-  for (std::uint32_t solves = 0; solves < options.solve_budget && halvings <= kMostHalvings; ++solves) {
-    if (!current) {
-      for (std::size_t i = 0; i < count; ++i) trial[i] = std::sqrt(trial[i] * durations[i]);
-    } else {
-      const Real shortest = kShortestShare * sum(durations) / static_cast<Real>(count);
-      for (std::size_t i = 0; i < count; ++i) {
-        const Real factor = step_factor(gradient[i], options.time_weight, halvings);
-        trial[i] = std::max(factor * durations[i], std::min(shortest, durations[i]));
-      }
-    }
-    current = solve(trial) == Status::kOk && objective(trial) < best;
-    if (current) {
-      best = objective(trial);
-      std::copy(trial.begin(), trial.end(), durations.begin());
-    } else {
-      ++halvings;
-    }
-  }
-  attempt.effort = problem.effort;
-  status = solve(durations);
-  for (int repair = 0; repair < kRepairs && status != Status::kOk; ++repair) {
-    for (Real& duration : durations) duration *= kRepairStretch;
-    status = solve(durations);
-  }
-  return status;
+  return Refinement(problem, options, trajectory, spans, durations, segments, report).run();
 }
 
 }  // namespace swiftlet

@@ -59,7 +59,8 @@ struct AxisBounds {
 /// Rows that one axis may add and drop.
 std::uint32_t step_limit(const AxisBounds& bounds) {
   const auto segments = static_cast<std::uint32_t>(bounds.axis.segment_count());
-  return bounds.problem->effort.steps_per_segment * segments + 100;
+  const SolveEffort& effort = bounds.problem->effort;
+  return std::min(effort.steps_per_segment * segments + 100, effort.most_steps);
 }
 
 /// The row of a bound at a point, its margin inside (eq. 9, 10, 14, 15).
@@ -436,6 +437,7 @@ Status solve_axis(const AxisBounds& bounds, const TrajectorySpans& spans, std::s
   const Status status = solve.run(warm ? warm->labels[axis].first(warm->count[axis]) : std::span<QpLabel>{});
   report.qp_iterations += solve.solver().iterations();
   report.constraints_added += solve.rows_added();
+  report.work += bounds.axis.segment_count() * (kWorkOfSetUp + solve.solver().iterations());
   if (status != Status::kOk) {
     const Violation& v = solve.last();
     report.blocking = {v.segment, static_cast<std::uint8_t>(axis), static_cast<BoundKind>(v.derivative), v.excess, 0};
@@ -493,34 +495,6 @@ Real smallest_stretch(const TrajectoryProblem& problem, const TrajectorySpans& s
     (succeeds(middle) ? works : fails) = middle;
   }
   return works;
-}
-
-void stop_at_gates(std::span<const Vector3> points, const Vector3& v_max, const Vector3& a_max,
-                   std::span<Segment> segments) {
-  constexpr Real kPeakSpeed = Real(1.875);          // of a rest-to-rest quintic over 1 m in 1 s
-  constexpr Real kPeakAcceleration = Real(5.7736);  // 10 / sqrt(3), rounded up
-  constexpr Real kSlack = 1 + Real(sizeof(Real) == 8 ? 1e-6 : 1e-5);
-  constexpr Real kShortest = Real(1e-3);  // [s]
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const Vector3 leg = points[i + 1] - points[i];
-    Real T = kShortest;
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      const Real distance = std::fabs(leg[axis]);
-      T = std::max({T, kSlack * kPeakSpeed * distance / v_max[axis],
-                    kSlack * std::sqrt(kPeakAcceleration * distance / a_max[axis])});
-    }
-    segments[i].duration = T;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Real distance = leg[static_cast<Eigen::Index>(axis)];
-      const Real T3 = T * T * T;
-      segments[i].coefficients[axis] = {points[i][static_cast<Eigen::Index>(axis)],
-                                        0,
-                                        0,
-                                        10 * distance / T3,
-                                        -15 * distance / (T3 * T),
-                                        6 * distance / (T3 * T * T)};
-    }
-  }
 }
 
 }  // namespace swiftlet

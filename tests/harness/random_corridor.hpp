@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "swiftlet/stop_at_gates.hpp"
 #include "swiftlet/trajectory_generator.hpp"
 #include "swiftlet/types.hpp"
 

@@ -12,6 +12,10 @@ using test::RandomCorridor;
 
 TrajectoryStorage<RandomCorridor::kMost> storage;
 RefinementStorage<RandomCorridor::kMost> refinement_storage;
+constexpr std::uint64_t kWork = 20'000;
+
+/// No rows to start from.
+RefinementSpans fresh() { return refinement_storage.spans(); }
 
 Real summed_cost(std::span<const Segment> segments) {
   return jerk_cost(segments, 0) + jerk_cost(segments, 1) + jerk_cost(segments, 2);
@@ -57,7 +61,8 @@ TEST(TimeRefinement, NeverEndsWorseThanItBeganAndUsuallyFarBetter) {
     const Real weight = 10;
     ASSERT_EQ(generate_trajectory(corridor.problem(), storage.spans(), segments, report), Status::kOk);
     const Real before = summed_cost(used) + weight * total_duration(used);
-    ASSERT_EQ(refine_durations(corridor.problem(), {weight, 12}, storage.spans(), refinement_storage.spans(), durations,
+    RefinementSpans refinement_spans = fresh();
+    ASSERT_EQ(refine_durations(corridor.problem(), {weight, kWork, {}}, storage.spans(), refinement_spans, durations,
                                segments, report),
               Status::kOk);
     const Real after = summed_cost(used) + weight * total_duration(used);
@@ -73,7 +78,8 @@ TEST(TimeRefinement, WithoutABudgetTheDurationsStay) {
   const std::array<Real, RandomCorridor::kMost> given = corridor.durations;
   std::array<Segment, RandomCorridor::kMost> segments;
   TrajectoryReport report;
-  ASSERT_EQ(refine_durations(corridor.problem(), {10, 0}, storage.spans(), refinement_storage.spans(),
+  RefinementSpans refinement_spans = fresh();
+  ASSERT_EQ(refine_durations(corridor.problem(), {10, 0, {}}, storage.spans(), refinement_spans,
                              std::span(corridor.durations).first(5), segments, report),
             Status::kOk);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(corridor.durations[i], given[i]);
@@ -84,7 +90,8 @@ TEST(TimeRefinement, PassesOnThatTheDurationsGivenAreInfeasible) {
   for (std::size_t i = 0; i < 5; ++i) corridor.durations[i] /= 10;
   std::array<Segment, RandomCorridor::kMost> segments;
   TrajectoryReport report;
-  const Status status = refine_durations(corridor.problem(), {10, 8}, storage.spans(), refinement_storage.spans(),
+  RefinementSpans refinement_spans = fresh();
+  const Status status = refine_durations(corridor.problem(), {10, kWork, {}}, storage.spans(), refinement_spans,
                                          std::span(corridor.durations).first(5), segments, report);
   // Float may give up before it has proven as much.
   EXPECT_TRUE(status == Status::kInfeasible || (!kIsDouble && status == Status::kIterationLimit));

@@ -25,6 +25,10 @@ struct KnottedCorridor {
 inline constexpr std::size_t kMostPieces = 3;
 std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Real longest_leg);
 
+/// Puts `copies` more of the first box in front, with gates that are the box itself; points 1 to `copies` are left to
+/// the caller. False, and nothing done, where the buffers are too short. Cost O(M).
+bool repeat_first_box(const KnottedCorridor& corridor, std::size_t count, std::size_t copies);
+
 /// True when junction k (between boxes k and k + 1) is such a knot and not a gate.
 inline bool is_knot(std::span<const IntBox> int_boxes, std::size_t k) { return int_boxes[k] == int_boxes[k + 1]; }
 

@@ -9,31 +9,32 @@
 #include "swiftlet/corridor.hpp"
 #include "swiftlet/corridor_search.hpp"
 #include "swiftlet/status.hpp"
-#include "swiftlet/time_refinement.hpp"
 #include "swiftlet/trajectory.hpp"
-#include "swiftlet/trajectory_generator.hpp"
+#include "swiftlet/trajectory_planner.hpp"
 #include "swiftlet/types.hpp"
 
 namespace swiftlet {
 
-/// Speed [m/s] and acceleration [m/s^2] limits outside this range are no request of a multirotor: kBadRequest.
-inline constexpr Real kLeastLimit = Real(1e-3);
-inline constexpr Real kLargestLimit = Real(1e3);
-
-enum class LimitNorm : std::uint8_t { kAxis, kEuclidean };
-
 struct PlanRequest {
   State start;
   State goal;
-  Real v_max = 0;  ///< [m/s]
-  Real a_max = 0;  ///< [m/s^2]
+  Real v_max = 0;           ///< [m/s]
+  Real a_max = 0;           ///< [m/s^2]
+  Real j_max = kUnlimited;  ///< [m/s^3]
   LimitNorm norm = LimitNorm::kAxis;
+  std::optional<Vehicle> vehicle = {};
   CorridorKind corridor = CorridorKind::kExtents;
   bool relax = true;  ///< kCells only
   SearchOptions search;
-  std::uint32_t refinement_solves = 12;  ///< trajectories that the refinement of times may try
+  WorkBudget budget;       ///< the search counts towards its deadline
   Real snap_distance = 0;  ///< [m] move a start or goal that is not free to the nearest free point within this distance
 };
+
+/// The limits of a request, as the trajectory stage and the certificate take them.
+FlightLimits flight_limits(const PlanRequest& request);
+
+/// Units of work (trajectory_generator.hpp) that one expansion of the search stands for in a deadline.
+inline constexpr std::uint64_t kWorkOfExpansion = 12;
 
 /// Where a plan's answer lies; spans point into the planner's storage and live until its next call.
 struct Plan {
@@ -60,20 +61,14 @@ struct PlannerSpans {
   std::span<Box> gates;
   std::span<Vector3> points;
   std::span<TautNode> taut_nodes;
-  std::span<Vector3> stop_points;
-  std::span<Real> profile;
-  std::span<Real> durations;
-  std::span<Real> stop_durations;
-  std::span<Segment> segments;
-  TrajectorySpans trajectory;
-  RefinementSpans refinement;
+  TrajectoryPlannerSpans trajectory;
 };
 
 /// Goal in, certified trajectory out: locate, search, corridor, times, QP, certificate. No call keeps anything from an
 /// earlier one; same request, same bits.
 class Planner {
  public:
-  explicit Planner(const PlannerSpans& spans) : spans_(spans) {}
+  explicit Planner(const PlannerSpans& spans) : spans_(spans), trajectory_planner_(spans.trajectory) {}
 
   /// Both stages below, one after the other.
   const Plan& plan(const BoxGraphView& graph, const PlanRequest& request);
@@ -83,23 +78,17 @@ class Planner {
   Status find_corridor(const BoxGraphView& graph, const PlanRequest& request);
 
   /// Stage two, after a find_corridor that returned kOk for the same request: times, QP, fallback, certificate.
-  /// Errors: kFallback (certified, but not the optimum), kInfeasible (from motion only), kNumericalTrouble (nothing
-  /// passed its certificate).
+  /// Errors: kFallback (certified, but not the optimum), kInfeasible (from motion only), kCorridorCapacity (from motion
+  /// only: no segments left for the braking), kNumericalTrouble (nothing passed its certificate).
   Status fit_trajectory(const PlanRequest& request);
 
   [[nodiscard]] const Plan& result() const { return plan_; }
 
  private:
   Status search_corridor(const BoxGraphView& graph, const PlanRequest& request);
-  void add_knots();
-  void stop_at_every_gate();
-  Status allocate_profile();
-  [[nodiscard]] TrajectoryProblem problem() const;
-  Status stretch_until_feasible();
-  Status optimise(const PlanRequest& request);
-  bool certify_plan(const PlanRequest& request);
 
   PlannerSpans spans_;
+  TrajectoryPlanner trajectory_planner_;
   Plan plan_;
 };
 

@@ -59,25 +59,30 @@ class RefinementStorage {
   std::array<std::array<QpLabel, active_rows(kSegments)>, 3> labels_;
 };
 
+/// Memory of a TrajectoryPlanner.
+template <std::size_t kSegments>
+class TrajectoryPlannerStorage {
+ public:
+  TrajectoryPlannerSpans spans() {
+    return {stop_points_, profile_, durations_, stop_durations_, segments_, trajectory_.spans(), refinement_.spans()};
+  }
+
+ private:
+  std::array<Vector3, kSegments + 1> stop_points_;
+  std::array<Real, kSegments> profile_;
+  std::array<Real, kSegments> durations_;
+  std::array<Real, kSegments> stop_durations_;
+  std::array<Segment, kSegments> segments_;
+  TrajectoryStorage<kSegments> trajectory_;
+  RefinementStorage<kSegments> refinement_;
+};
+
 /// All memory of one planner. Make it static: it is large, and its size is known at compile time.
 template <Capacity kCapacity>
 class PlannerStorage {
  public:
   PlannerSpans spans() {
-    return {{nodes_, open_, hash_},
-            cell_path_,
-            int_boxes_,
-            boxes_,
-            gates_,
-            points_,
-            taut_nodes_,
-            stop_points_,
-            profile_,
-            durations_,
-            stop_durations_,
-            segments_,
-            trajectory_.spans(),
-            refinement_.spans()};
+    return {{nodes_, open_, hash_}, cell_path_, int_boxes_, boxes_, gates_, points_, taut_nodes_, trajectory_.spans()};
   }
 
  private:
@@ -93,13 +98,7 @@ class PlannerStorage {
   std::array<Box, kCapacity.segments> gates_;
   std::array<Vector3, kCapacity.segments + 1> points_;
   std::array<TautNode, kCapacity.segments + 1> taut_nodes_;
-  std::array<Vector3, kCapacity.segments + 1> stop_points_;
-  std::array<Real, kCapacity.segments> profile_;
-  std::array<Real, kCapacity.segments> durations_;
-  std::array<Real, kCapacity.segments> stop_durations_;
-  std::array<Segment, kCapacity.segments> segments_;
-  TrajectoryStorage<kCapacity.segments> trajectory_;
-  RefinementStorage<kCapacity.segments> refinement_;
+  TrajectoryPlannerStorage<kCapacity.segments> trajectory_;
 };
 
 }  // namespace swiftlet

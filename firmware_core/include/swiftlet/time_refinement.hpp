@@ -2,16 +2,23 @@
 #include <cstdint>
 #include <span>
 
+#include "swiftlet/flight_limits.hpp"
 #include "swiftlet/status.hpp"
 #include "swiftlet/trajectory_generator.hpp"
 #include "swiftlet/types.hpp"
 
 namespace swiftlet {
 
+/// Trials are compared, not flown: a rough solve will do.
+inline constexpr SolveEffort kTrialEffort{.tolerance = sizeof(Real) == 8 ? Real(1e-4) : Real(5e-4),
+                                          .steps_per_segment = 3};
+
 /// How far the durations are pushed: the sum of jerk cost and `time_weight` times total duration is minimised.
 struct RefinementOptions {
-  Real time_weight = 1;            ///< [m^2/s^6]
-  std::uint32_t solve_budget = 0;  ///< trajectories to try at most; 0 leaves the durations alone
+  Real time_weight = 1;      ///< [m^2/s^6]
+  std::uint64_t work = 0;    ///< units to spend on trials (trajectory_generator.hpp); 0 leaves the durations alone
+  MotionBounds bounds = {};  ///< rest to rest only: those of norms and jerk, which the QP does not know; trajectories
+                             ///< are compared as they are when slowed down to keep them
 };
 
 /// Memory of one refinement of M segments; see storage.hpp.
@@ -24,13 +31,15 @@ struct RefinementSpans {
 /// Improves segment durations by the gradient of the optimal cost (envelope theorem), beyond the implicit adjustment of
 /// Sec. IV-E. Where a duration alone decides a cost c / T^5, T (5 c / w T^6)^(1/6) is its optimum; so each step
 /// multiplies a duration by a root of (-gradient / w), all at once, and a step that fails or does not pay halves the
-/// next one's logarithm. Never leaves the durations worse than it found them.
+/// next one's logarithm. Never leaves the durations worse than it found them; stops early when a step gains little.
 ///   problem    feasible with its durations, which are a view of `durations`
-///   segments   receive the trajectory of the durations returned
-/// Cost: solve_budget + 1 rough trajectories and at most eleven exact ones, usually one. Errors: those of
-/// generate_trajectory for the durations given.
+///   warm       active rows of an earlier solve, and then of the last one here
+///   segments   receive the trajectory of the durations returned, solved with the problem's own effort
+///   report     of the last solve; `work` and `qp_iterations` are added to what it holds
+/// Cost: the work allowed and at most eleven exact trajectories, usually one. Errors: those of generate_trajectory for
+/// the durations given.
 Status refine_durations(const TrajectoryProblem& problem, const RefinementOptions& options,
-                        const TrajectorySpans& trajectory, const RefinementSpans& spans, std::span<Real> durations,
+                        const TrajectorySpans& trajectory, RefinementSpans& spans, std::span<Real> durations,
                         std::span<Segment> segments, TrajectoryReport& report);
 
 }  // namespace swiftlet

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "swiftlet/dual_active_set.hpp"
@@ -27,7 +28,12 @@ inline constexpr Real kFeasibility = sizeof(Real) == 8 ? Real(1e-8) : Real(2e-4)
 struct SolveEffort {
   Real tolerance = kFeasibility;         ///< excess that counts as no violation [m, m/s, m/s^2]
   std::uint32_t steps_per_segment = 10;  ///< active-set steps on an axis: 100, and this many a segment
+  std::uint32_t most_steps = std::numeric_limits<std::uint32_t>::max();  ///< and never more than this
 };
+
+/// The unit of work, in which budgets are counted: one active-set step of one axis, per segment. Setting up an axis,
+/// its sweeps and its emission count as so many steps.
+inline constexpr std::uint64_t kWorkOfSetUp = 8;
 
 /// One trajectory-generation problem: M boxes, M - 1 gates inside both neighbours, M durations; limits per axis,
 /// infinity for none.
@@ -60,6 +66,7 @@ struct TrajectoryReport {
   std::uint32_t constraints_added = 0;  ///< rows ever generated
   std::uint32_t active = 0;             ///< rows active at the end, all axes
   Real residual = 0;                    ///< largest distance of an active row from its bound [m, m/s, m/s^2]
+  std::uint64_t work = 0;               ///< units of work spent, all solves
   Real time_scale = 1;                  ///< durations of the answer over those of the first allocation
   FallbackReason fallback_reason = FallbackReason::kNone;
   Blocking blocking;  ///< meaningful with kInfeasible
@@ -106,10 +113,5 @@ Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpa
 inline constexpr Real kLargestStretch = 64;
 Real smallest_stretch(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::span<Segment> segments,
                       std::span<Real> durations);
-
-/// The stop-at-every-gate trajectory through `points` (M + 1, one in each gate, start and goal at the ends): straight
-/// rest-to-rest quintics within per-axis limits. Always inside convex boxes that hold both ends of each leg.
-void stop_at_gates(std::span<const Vector3> points, const Vector3& v_max, const Vector3& a_max,
-                   std::span<Segment> segments);
 
 }  // namespace swiftlet

@@ -1,0 +1,389 @@
+#include "swiftlet/trajectory_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "swiftlet/stop_at_gates.hpp"
+#include "swiftlet/time_allocation.hpp"
+
+namespace swiftlet {
+namespace {
+
+// No segment starts shorter than this share of the mean: where the taut path touches two gates in one point its profile
+// gives no time at all, and the cost grows with T^-5.
+constexpr Real kShortestShare = Real(0.05);
+constexpr Real kShortestDuration = Real(1e-3);  // [s]
+// Longest leg without a knot, in units of the way to the speed limit and back.
+constexpr Real kLongestLeg = 2;
+constexpr Real kStretchStep = Real(1.25);
+constexpr int kStretchSteps = 20;
+// Stretches tried from motion. Feasibility is not monotone in time there: too slow a segment overshoots.
+constexpr std::array<Real, 8> kMovingStretches{1, Real(1.25), Real(0.8), Real(1.6), 2, Real(0.6), 3, 5};
+// Continuation from looser limits, see tighten_limits.
+constexpr Real kLoosest = 40;
+constexpr int kTightenings = 24;
+constexpr std::uint64_t kTighteningTrials = 3;
+// Jerk cost that a second is worth, in units of a^3 over the path's length: more flies faster, less smoother. Free of
+// the speed limit, so that raising that limit does not change what is sought.
+constexpr Real kTimeWeight = 70;
+constexpr Real kShortestLength = Real(0.01);  // [m] in that unit
+constexpr int kSlowDowns = 4;
+
+bool is_at_rest(const State& state) { return state.velocity.isZero(0) && state.acceleration.isZero(0); }
+
+Real sum(std::span<const Real> values) {
+  Real total = 0;
+  for (const Real value : values) total += value;
+  return total;
+}
+
+/// Per-axis limits that keep the bound of a norm by themselves and leave room for the value that a start already has.
+Vector3 split_norm(const DerivativeBound& bound, const Vector3& start) {
+  const Real inside = 1 - Real(sizeof(Real) == 8 ? 1e-9 : 1e-5);
+  const Real spare = std::max(bound.norm * bound.norm - start.squaredNorm(), Real(0)) / 3;
+  Vector3 limits;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    limits[axis] = std::min(bound.axis, inside * std::sqrt(start[axis] * start[axis] + spare));
+  }
+  return limits;
+}
+
+/// Why a solve that ended with `status` left the plan to its fallback.
+FallbackReason reason_for_fallback(Status status) {
+  switch (status) {
+    case Status::kIterationLimit:
+      return FallbackReason::kIterations;
+    case Status::kInfeasible:
+      return FallbackReason::kStopAtGates;
+    default:
+      return FallbackReason::kNumerics;  // kOk: solved, but its certificate did not pass
+  }
+}
+
+}  // namespace
+
+const FittedTrajectory& TrajectoryPlanner::fit(const KnottedCorridor& corridor, std::size_t count,
+                                               const TrajectoryRequest& request) {
+  fitted_ = {};
+  fitted_.box_count = count;
+  corridor_ = corridor;
+  request_ = request;
+  brake_count_ = 0;
+  spans_.refinement.warm.count = {};
+  if (!is_usable(request.limits)) return fitted_;
+  bounds_ = motion_bounds(request.limits);
+  const bool from_rest = is_from_rest();
+  fitted_.qp_v_max = from_rest ? Vector3::Constant(bounds_.v.axis) : split_norm(bounds_.v, request.start.velocity);
+  fitted_.qp_a_max = from_rest ? Vector3::Constant(bounds_.a.axis) : split_norm(bounds_.a, request.start.acceleration);
+  if (!ends_keep_limits()) {
+    fitted_.status = Status::kInfeasible;
+    return fitted_;
+  }
+  add_knots();
+  // The answer that always exists, before anything that could run out (design: section 6).
+  if (from_rest) {
+    stop_at_every_gate();
+  } else {
+    const Real j_max = std::min(bounds_.j.axis, bounds_.j.norm * Real(0.57735));
+    braking_ = brake_within(corridor_.boxes[0], request.start, fitted_.qp_v_max, fitted_.qp_a_max, j_max);
+  }
+  Status status = optimise();
+  if (status == Status::kOk && certify_segments()) {
+    fitted_.status = Status::kOk;
+  } else {
+    fitted_.status = fall_back(status);
+  }
+  return fitted_;
+}
+
+bool TrajectoryPlanner::is_from_rest() const { return is_at_rest(request_.start) && is_at_rest(request_.goal); }
+
+std::uint64_t TrajectoryPlanner::work_left() const {
+  const std::uint64_t deadline = request_.budget.deadline;
+  return deadline > fitted_.report.work ? deadline - fitted_.report.work : 0;
+}
+
+TrajectoryProblem TrajectoryPlanner::problem(const SolveEffort& effort) const {
+  TrajectoryProblem posed{corridor_.boxes.first(count()),
+                          corridor_.gates.first(count() - 1),
+                          durations(),
+                          request_.start,
+                          request_.goal,
+                          fitted_.qp_v_max,
+                          fitted_.qp_a_max,
+                          Margins{},
+                          effort};
+  // What is left for each of the three axes.
+  const std::uint64_t steps = work_left() / (3 * count());
+  if (steps < posed.effort.most_steps) posed.effort.most_steps = static_cast<std::uint32_t>(steps);
+  return posed;
+}
+
+/// Jerk cost that a second is worth [m^2/s^6].
+Real TrajectoryPlanner::time_weight() const {
+  Real length = 0;
+  for (std::size_t i = 0; i < count(); ++i) length += (corridor_.points[i + 1] - corridor_.points[i]).norm();
+  const Real a = fitted_.qp_a_max.maxCoeff();
+  return kTimeWeight * a * a * a / std::max(length, kShortestLength);
+}
+
+/// A start or goal state beyond a limit is no matter of times.
+bool TrajectoryPlanner::ends_keep_limits() {
+  for (const State* end : {&request_.start, &request_.goal}) {
+    const auto check = [&](const Vector3& value, const DerivativeBound& bound, BoundKind kind) {
+      Eigen::Index axis = 0;
+      const Real largest = value.cwiseAbs().maxCoeff(&axis);
+      const Real excess = std::max(largest - bound.axis, value.norm() - bound.norm);
+      if (excess <= kFeasibility) return true;
+      fitted_.report.blocking = {end == &request_.start ? 0 : static_cast<std::uint32_t>(count() - 1),
+                                 static_cast<std::uint8_t>(axis), kind, excess, 0};
+      return false;
+    };
+    if (!check(end->velocity, bounds_.v, BoundKind::kVelocity)) return false;
+    if (!check(end->acceleration, bounds_.a, BoundKind::kAcceleration)) return false;
+  }
+  return true;
+}
+
+/// Interior knots where one quintic would be too stiff for its leg.
+void TrajectoryPlanner::add_knots() {
+  const Real ramps = fitted_.qp_v_max[0] * fitted_.qp_v_max[0] / fitted_.qp_a_max[0];  // [m] to the limit and back
+  fitted_.box_count = insert_knots(corridor_, count(), kLongestLeg * ramps);
+}
+
+/// Repeats the first box for the pieces of the braking.
+bool TrajectoryPlanner::add_braking() {
+  const std::size_t pieces = braking_.count;
+  if (pieces == 0 || !repeat_first_box(corridor_, count(), pieces)) return false;
+  for (std::size_t i = 0; i < pieces; ++i) {
+    corridor_.points[i + 1] = sample_segment(braking_.pieces[i], braking_.pieces[i].duration).position;
+  }
+  fitted_.box_count += pieces;
+  brake_count_ = pieces;
+  spans_.refinement.warm.count = {};
+  return true;
+}
+
+/// The braking, if any, then straight legs from gate to gate; one that passes knots is split at them, from the back so
+/// that nothing is overwritten.
+void TrajectoryPlanner::stop_at_every_gate() {
+  const std::span<const IntBox> boxes = corridor_.int_boxes.first(count());
+  std::size_t legs = 0;
+  spans_.stop_points[0] = corridor_.points[brake_count_];
+  for (std::size_t i = brake_count_; i < count(); ++i) {
+    if (i + 1 < count() && is_knot(boxes, i)) continue;
+    spans_.stop_points[++legs] = corridor_.points[i + 1];
+  }
+  const std::span<Segment> segments = spans_.segments.subspan(brake_count_);
+  stop_at_gates(spans_.stop_points.first(legs + 1), bounds_, segments);
+  for (std::size_t end = count(); end > brake_count_;) {
+    std::size_t first = end - 1;
+    while (first > brake_count_ && is_knot(boxes, first - 1)) --first;
+    split_segment(segments[--legs], spans_.segments.subspan(first, end - first));
+    end = first;
+  }
+  std::copy_n(braking_.pieces.begin(), brake_count_, spans_.segments.begin());
+  for (std::size_t i = 0; i < count(); ++i) spans_.stop_durations[i] = spans_.segments[i].duration;
+}
+
+/// Segment durations along the taut path; junctions that coincide get a share of the mean.
+Status TrajectoryPlanner::allocate_profile() {
+  const std::span<Real> profile = spans_.profile.first(count());
+  const std::span<const Vector3> points = corridor_.points.first(count() + 1);
+  const SpeedLimits limits{fitted_.qp_v_max.minCoeff(), fitted_.qp_a_max.minCoeff()};
+  std::size_t far = 1;
+  while (far + 1 < points.size() && (points[far] - points[0]).isZero(0)) ++far;
+  const Vector3 leg = points[far] - points[0];
+  const Real length = leg.norm();
+  const Real along = length > 0 ? request_.start.velocity.dot(leg) / length : Real(0);
+  const Status status = allocate_durations(points, limits, profile, std::clamp(along, Real(0), limits.v_max));
+  if (status != Status::kOk) return status;
+  const Real shortest = std::max(kShortestShare * sum(profile) / static_cast<Real>(count()), kShortestDuration);
+  for (Real& duration : profile) duration = std::max(duration, shortest);
+  return Status::kOk;
+}
+
+/// A rough solve with the durations as they stand, which tells whether they can be flown.
+Status TrajectoryPlanner::try_durations() {
+  if (work_left() == 0) return Status::kIterationLimit;
+  const std::uint64_t work = fitted_.report.work;
+  const std::uint32_t iterations = fitted_.report.qp_iterations;
+  const Status status =
+      generate_trajectory(problem(kTrialEffort), spans_.trajectory, spans_.segments.first(count()), fitted_.report,
+                          &spans_.refinement.warm, spans_.refinement.gradient.first(count()));
+  fitted_.report.work += work;
+  fitted_.report.qp_iterations += iterations;
+  return status;
+}
+
+/// Stretches the profile until the QP can follow it, each segment at most to its stopping time: at full stretch every
+/// segment has that time, which is always feasible.
+Status TrajectoryPlanner::stretch_from_rest() {
+  Status status = Status::kOk;
+  Real stretch = 1;
+  for (int step = 0; step < kStretchSteps; ++step, stretch *= kStretchStep) {
+    for (std::size_t i = 0; i < count(); ++i) {
+      const Real longest = std::max(spans_.stop_durations[i], spans_.profile[i]);
+      spans_.durations[i] = std::min(stretch * spans_.profile[i], longest);
+    }
+    status = try_durations();
+    if (status == Status::kOk || work_left() == 0) return status;
+  }
+  return status;
+}
+
+/// Stretches the profile both ways, the later segments in full and the first ones, within the time that stopping
+/// takes, only in part: they have to fit the motion.
+Status TrajectoryPlanner::stretch_from_motion() {
+  const Real stopping = (request_.start.velocity.cwiseAbs().array() / fitted_.qp_a_max.array()).maxCoeff();
+  Status status = Status::kOk;
+  for (const Real stretch : kMovingStretches) {
+    Real elapsed = 0;
+    for (std::size_t i = 0; i < count(); ++i) {
+      const Real middle = elapsed + spans_.profile[i] / 2;
+      const Real share = middle < stopping ? middle / stopping : Real(1);
+      spans_.durations[i] = spans_.profile[i] * (1 + (stretch - 1) * share);
+      elapsed += spans_.profile[i];
+    }
+    status = try_durations();
+    if (status == Status::kOk || work_left() == 0) return status;
+  }
+  return status;
+}
+
+/// Looks for durations by way of looser limits: where those can be met, the refinement (whose gradient holds the active
+/// limits' multipliers) moves towards durations that can do with tighter ones.
+Status TrajectoryPlanner::tighten_limits() {
+  const Vector3 v_max = fitted_.qp_v_max;
+  const Vector3 a_max = fitted_.qp_a_max;
+  std::copy_n(spans_.profile.begin(), count(), spans_.durations.begin());
+  const auto loosen = [&](Real factor) {
+    fitted_.qp_v_max = std::sqrt(factor) * v_max;
+    fitted_.qp_a_max = factor * a_max;
+  };
+  Real works = 0;  // the tightest factor that does
+  Real factor = 2;
+  Status status = Status::kInfeasible;
+  for (int step = 0; step < kTightenings && work_left() > 0; ++step) {
+    loosen(factor);
+    status = try_durations();
+    if (status != Status::kOk) {
+      if (works == 0) {
+        if (factor >= kLoosest) break;
+        factor *= 3;
+      } else {
+        if (factor > Real(0.995) * works) break;
+        factor = std::sqrt(factor * works);
+      }
+      continue;
+    }
+    works = factor;
+    if (factor <= 1) break;
+    const std::uint64_t refinement = kTighteningTrials * 3 * count() * (kWorkOfSetUp + count());
+    TrajectoryReport report;
+    const Status refined = refine_durations(problem(kTrialEffort), {time_weight(), refinement, {}}, spans_.trajectory,
+                                            spans_.refinement, durations(), spans_.segments.first(count()), report);
+    fitted_.report.work += report.work;
+    fitted_.report.qp_iterations += report.qp_iterations;
+    if (refined != Status::kOk) break;
+    factor = std::max(Real(1), factor * Real(0.7));
+  }
+  fitted_.qp_v_max = v_max;
+  fitted_.qp_a_max = a_max;
+  return works == 1 ? Status::kOk : Status::kInfeasible;
+}
+
+/// Times and QP: profile, stretch, refinement.
+Status TrajectoryPlanner::optimise() {
+  Status status = allocate_profile();
+  if (status != Status::kOk) return status;
+  const Real profile_total = sum(spans_.profile.first(count()));
+  if (is_from_rest()) {
+    status = stretch_from_rest();
+  } else {
+    status = stretch_from_motion();
+    if (status != Status::kOk && braking_.count == 0) status = tighten_limits();
+    if (status != Status::kOk && add_braking()) {
+      stop_at_every_gate();
+      std::copy_n(spans_.stop_durations.begin(), count(), spans_.durations.begin());
+      status = try_durations();
+    }
+  }
+  if (status == Status::kOk) status = refine();
+  if (status == Status::kOk && bounds_.exceed_axes()) status = slow_down_to_bounds();
+  fitted_.report.time_scale = sum(durations()) / profile_total;
+  return status;
+}
+
+Status TrajectoryPlanner::refine() {
+  // The exact solve at the end takes more than a trial did.
+  const std::uint64_t reserve = 4 * 3 * count() * (kWorkOfSetUp + count());
+  const std::uint64_t left = work_left() > reserve ? work_left() - reserve : 0;
+  return refine_durations(
+      problem({}),
+      {time_weight(), std::min(request_.budget.refinement, left), is_from_rest() ? bounds_ : MotionBounds{}},
+      spans_.trajectory, spans_.refinement, durations(), spans_.segments.first(count()), fitted_.report);
+}
+
+/// Bounds of norms and jerk, which the QP does not know. From rest a trajectory slowed down by s keeps limits divided
+/// by s and s^2: the QP with these limits and the longer durations has it for its solution. From motion only segments
+/// that exceed a bound get longer.
+Status TrajectoryPlanner::slow_down_to_bounds() {
+  const bool from_rest = is_from_rest();
+  Status status = Status::kOk;
+  for (int round = 0; round < kSlowDowns && status == Status::kOk && !certify_segments(); ++round) {
+    const Certificate& proof = fitted_.certificate;
+    Real whole = std::max(
+        {proof.max_speed_norm / bounds_.v.norm, std::sqrt(proof.max_acceleration_norm / bounds_.a.norm),
+         cube_root(proof.max_jerk_norm / bounds_.j.norm), cube_root(proof.max_jerk.maxCoeff() / bounds_.j.axis)});
+    whole = std::max(whole, Real(1)) * (1 + Real(sizeof(Real) == 8 ? 1e-7 : 1e-4));
+    for (std::size_t i = 0; i < count(); ++i) {
+      spans_.durations[i] *= from_rest ? whole : slow_down(spans_.segments[i], bounds_);
+    }
+    // With the limits as they are the optimum may do better than the slower trajectory, but need not keep the bounds.
+    if (from_rest && round > 0) {
+      fitted_.qp_v_max /= whole;
+      fitted_.qp_a_max /= whole * whole;
+    }
+    TrajectoryReport report;
+    status = refine_durations(problem({}), {1, 0, {}}, spans_.trajectory, spans_.refinement, durations(),
+                              spans_.segments.first(count()), report);
+    report.work += fitted_.report.work;
+    report.qp_iterations += fitted_.report.qp_iterations;
+    fitted_.report = report;
+  }
+  return status;
+}
+
+/// Certifies the segments against the request and, when they pass, makes them the answer.
+bool TrajectoryPlanner::certify_segments() {
+  const std::span<const Segment> segments = spans_.segments.first(count());
+  CertificateRequest request = certificate_request(request_.limits);
+  request.boxes = corridor_.boxes.first(count());
+  request.gates = corridor_.gates.first(count() - 1);
+  request.start = request_.start;
+  request.goal = request_.goal;
+  fitted_.certificate = certify(segments, request);
+  if (fitted_.certificate.pass) fitted_.segments = segments;
+  return fitted_.certificate.pass;
+}
+
+/// The answer that needs no solver, after an optimum that was not found.
+Status TrajectoryPlanner::fall_back(Status optimised) {
+  fitted_.report.fallback_reason = work_left() == 0 ? FallbackReason::kDeadline : reason_for_fallback(optimised);
+  if (!is_from_rest()) {
+    const bool can_brake = braking_.count > 0 && is_at_rest(request_.goal);
+    if (!can_brake) {
+      if (braking_.missing > 0) {
+        fitted_.report.blocking = {0, static_cast<std::uint8_t>(braking_.axis), BoundKind::kPosition, braking_.missing,
+                                   0};
+      }
+      return Status::kInfeasible;
+    }
+    if (brake_count_ == 0 && !add_braking()) return Status::kCorridorCapacity;
+  }
+  stop_at_every_gate();
+  return certify_segments() ? Status::kFallback : Status::kNumericalTrouble;
+}
+
+}  // namespace swiftlet
