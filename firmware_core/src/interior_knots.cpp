@@ -24,10 +24,13 @@ std::size_t room_of(const KnottedCorridor& corridor) {
 
 }  // namespace
 
-std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Real longest_leg) {
+std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Real longest_leg, std::size_t legs) {
   const std::size_t room = room_of(corridor);
+  const auto pieces_at = [&](std::size_t i) {
+    return i < legs ? pieces_of(leg_length(corridor.points, i), longest_leg) : std::size_t{1};
+  };
   std::size_t wanted = 0;
-  for (std::size_t i = 0; i < count; ++i) wanted += pieces_of(leg_length(corridor.points, i), longest_leg);
+  for (std::size_t i = 0; i < count; ++i) wanted += pieces_at(i);
   if (wanted > room) return count;
   // From the back, so that nothing is overwritten before it has moved.
   std::size_t end = wanted;
@@ -36,7 +39,7 @@ std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Rea
     const Vector3 to = corridor.points[i + 1];
     const IntBox int_box = corridor.int_boxes[i];
     const Box box = corridor.boxes[i];
-    const std::size_t pieces = pieces_of(leg_length(corridor.points, i), longest_leg);
+    const std::size_t pieces = pieces_at(i);
     if (end < wanted) corridor.gates[end - 1] = corridor.gates[i];
     corridor.points[end] = to;
     for (std::size_t k = 1; k <= pieces; ++k) {

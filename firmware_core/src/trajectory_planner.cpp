@@ -13,6 +13,7 @@ namespace {
 // gives no time at all, and the cost grows with T^-5.
 constexpr Real kShortestShare = Real(0.05);
 constexpr Real kShortestDuration = Real(1e-3);  // [s]
+constexpr Real kShortestFirst = Real(1e-5);     // [s] of a segment whose gate is right ahead of the motion
 // Longest leg without a knot, in units of the way to the speed limit and back.
 constexpr Real kLongestLeg = 2;
 constexpr Real kStretchStep = Real(1.25);
@@ -20,9 +21,17 @@ constexpr int kStretchSteps = 20;
 // Stretches tried from motion. Feasibility is not monotone in time there: too slow a segment overshoots.
 constexpr std::array<Real, 8> kMovingStretches{1, Real(1.25), Real(0.8), Real(1.6), 2, Real(0.6), 3, 5};
 // Continuation from looser limits, see tighten_limits.
+constexpr std::size_t kKnottedLegs = 4;
 constexpr Real kLoosest = 40;
+/// With what weight of time (share of the usual one) limits are tightened, and whether with more knots.
+struct Tightening {
+  Real weight;
+  bool knots;
+};
+constexpr std::array<Tightening, 5> kWays{
+    {{Real(0.001), false}, {Real(0.1), false}, {Real(0.001), true}, {Real(0.1), true}, {1, false}}};
 constexpr int kTightenings = 24;
-constexpr std::uint64_t kTighteningTrials = 3;
+constexpr std::uint64_t kTighteningTrials = 8;
 // Jerk cost that a second is worth, in units of a^3 over the path's length: more flies faster, less smoother. Free of
 // the speed limit, so that raising that limit does not change what is sought.
 constexpr Real kTimeWeight = 70;
@@ -46,6 +55,13 @@ Vector3 split_norm(const DerivativeBound& bound, const Vector3& start) {
     limits[axis] = std::min(bound.axis, inside * std::sqrt(start[axis] * start[axis] + spare));
   }
   return limits;
+}
+
+/// When a motion from `v` [m/s] at constant `a` [m/s^2] has come `distance` [m] far; infinity where it never does.
+Real time_to(Real distance, Real v, Real a) {
+  const Real square = v * v + 2 * a * distance;
+  if (square < 0 || (v == 0 && !(a > 0))) return kUnlimited;
+  return 2 * distance / (v + std::sqrt(square));
 }
 
 /// Why a solve that ended with `status` left the plan to its fallback.
@@ -87,12 +103,8 @@ const FittedTrajectory& TrajectoryPlanner::fit(const KnottedCorridor& corridor, 
     const Real j_max = std::min(bounds_.j.axis, bounds_.j.norm * Real(0.57735));
     braking_ = brake_within(corridor_.boxes[0], request.start, fitted_.qp_v_max, fitted_.qp_a_max, j_max);
   }
-  Status status = optimise();
-  if (status == Status::kOk && certify_segments()) {
-    fitted_.status = Status::kOk;
-  } else {
-    fitted_.status = fall_back(status);
-  }
+  const Status status = optimise();
+  fitted_.status = status == Status::kOk ? status : fall_back(status);
   return fitted_;
 }
 
@@ -200,7 +212,37 @@ Status TrajectoryPlanner::allocate_profile() {
   if (status != Status::kOk) return status;
   const Real shortest = std::max(kShortestShare * sum(profile) / static_cast<Real>(count()), kShortestDuration);
   for (Real& duration : profile) duration = std::max(duration, shortest);
+  // From motion the first gate may be close ahead.
+  if (!is_at_rest(request_.start)) fit_first_box(profile);
   return Status::kOk;
+}
+
+/// From motion the first gate may be so near that the time to it is all but given: when it is reached at the start's
+/// own acceleration, and by when the box is left however hard the vehicle brakes.
+void TrajectoryPlanner::fit_first_box(std::span<Real> times) const {
+  std::size_t inside = 1;
+  while (inside < times.size() && is_knot(corridor_.int_boxes, inside - 1)) ++inside;
+  const Box& box = corridor_.boxes[0];
+  const Box& gate = inside < times.size() ? corridor_.gates[inside - 1] : box;
+  Real arrival = 0;
+  Real latest = kUnlimited;
+  Real stopping = 0;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Real direction = request_.start.velocity[axis] < 0 ? Real(-1) : Real(1);
+    const Real p = request_.start.position[axis];
+    const Real v = std::fabs(request_.start.velocity[axis]);
+    const Real a = direction * request_.start.acceleration[axis];
+    const Real ahead = direction > 0 ? gate.lo[axis] - p : p - gate.hi[axis];
+    const Real behind = direction > 0 ? p - gate.hi[axis] : gate.lo[axis] - p;
+    if (ahead > 0) arrival = std::max(arrival, time_to(ahead, v, a));
+    if (behind > 0) arrival = kUnlimited;
+    latest = std::min(latest, time_to(direction > 0 ? box.hi[axis] - p : p - box.lo[axis], v, -fitted_.qp_a_max[axis]));
+    stopping = std::max(stopping, v / fitted_.qp_a_max[axis]);
+  }
+  const std::span<Real> first = times.first(inside);
+  const Real total = sum(first);
+  const Real wanted = std::min(arrival > 0 && arrival < stopping / 2 ? arrival : total, latest);
+  for (Real& time : first) time = std::max(time * wanted / total, kShortestFirst);
 }
 
 /// A rough solve with the durations as they stand, which tells whether they can be flown.
@@ -242,9 +284,10 @@ Status TrajectoryPlanner::stretch_from_motion() {
     for (std::size_t i = 0; i < count(); ++i) {
       const Real middle = elapsed + spans_.profile[i] / 2;
       const Real share = middle < stopping ? middle / stopping : Real(1);
-      spans_.durations[i] = spans_.profile[i] * (1 + (stretch - 1) * share);
+      spans_.durations[i] = spans_.profile[i] * (1 + (stretch - 1) * share * share);
       elapsed += spans_.profile[i];
     }
+    fit_first_box(durations());
     status = try_durations();
     if (status == Status::kOk || work_left() == 0) return status;
   }
@@ -253,7 +296,7 @@ Status TrajectoryPlanner::stretch_from_motion() {
 
 /// Looks for durations by way of looser limits: where those can be met, the refinement (whose gradient holds the active
 /// limits' multipliers) moves towards durations that can do with tighter ones.
-Status TrajectoryPlanner::tighten_limits() {
+Status TrajectoryPlanner::tighten_limits(Real weight) {
   const Vector3 v_max = fitted_.qp_v_max;
   const Vector3 a_max = fitted_.qp_a_max;
   std::copy_n(spans_.profile.begin(), count(), spans_.durations.begin());
@@ -281,8 +324,9 @@ Status TrajectoryPlanner::tighten_limits() {
     if (factor <= 1) break;
     const std::uint64_t refinement = kTighteningTrials * 3 * count() * (kWorkOfSetUp + count());
     TrajectoryReport report;
-    const Status refined = refine_durations(problem(kTrialEffort), {time_weight(), refinement, {}}, spans_.trajectory,
-                                            spans_.refinement, durations(), spans_.segments.first(count()), report);
+    const Status refined =
+        refine_durations(problem(kTrialEffort), {weight * time_weight(), refinement, {}}, spans_.trajectory,
+                         spans_.refinement, durations(), spans_.segments.first(count()), report);
     fitted_.report.work += report.work;
     fitted_.report.qp_iterations += report.qp_iterations;
     if (refined != Status::kOk) break;
@@ -298,31 +342,56 @@ Status TrajectoryPlanner::optimise() {
   Status status = allocate_profile();
   if (status != Status::kOk) return status;
   const Real profile_total = sum(spans_.profile.first(count()));
-  if (is_from_rest()) {
-    status = stretch_from_rest();
-  } else {
-    status = stretch_from_motion();
-    if (status != Status::kOk && braking_.count == 0) status = tighten_limits();
-    if (status != Status::kOk && add_braking()) {
-      stop_at_every_gate();
-      std::copy_n(spans_.stop_durations.begin(), count(), spans_.durations.begin());
-      status = try_durations();
-    }
-  }
-  if (status == Status::kOk) status = refine();
-  if (status == Status::kOk && bounds_.exceed_axes()) status = slow_down_to_bounds();
+  status = is_from_rest() ? complete(stretch_from_rest()) : optimise_from_motion();
   fitted_.report.time_scale = sum(durations()) / profile_total;
   return status;
 }
 
-Status TrajectoryPlanner::refine() {
+/// One way after the other to find durations, until one leads to a certified trajectory.
+Status TrajectoryPlanner::optimise_from_motion() {
+  Status status = complete(stretch_from_motion());
+  if (status == Status::kOk) return status;
+  if (braking_.count > 0 && is_at_rest(request_.goal)) {
+    // The braking itself is within the QP's reach at its own durations.
+    if (!add_braking()) return Status::kCorridorCapacity;
+    stop_at_every_gate();
+    std::copy_n(spans_.stop_durations.begin(), count(), spans_.durations.begin());
+    return complete(try_durations());
+  }
+  for (const Tightening& way : kWays) {
+    if (status == Status::kOk || work_left() == 0) break;
+    spans_.refinement.warm.count = {};
+    if (way.knots) fitted_.box_count = insert_knots(corridor_, count(), 0, kKnottedLegs);
+    status = allocate_profile();
+    if (status == Status::kOk) status = complete(tighten_limits(way.weight));
+  }
+  return status;
+}
+
+/// From durations that a rough solve has found feasible to a certified trajectory. Where the refined ones fail, as they
+/// may by a hair from motion, the ones from before are taken.
+Status TrajectoryPlanner::complete(Status found) {
+  if (found != Status::kOk) return found;
+  const bool from_rest = is_from_rest();
+  const std::span<Real> before = spans_.profile.first(count());
+  std::copy_n(spans_.durations.begin(), count(), before.begin());
+  for (const bool refined : {true, false}) {
+    Status status = refine(refined ? request_.budget.refinement : 0);
+    if (status == Status::kOk && bounds_.exceed_axes()) status = slow_down_to_bounds();
+    if (status == Status::kOk && certify_segments()) return status;
+    if (from_rest || !refined || work_left() == 0) return status == Status::kOk ? Status::kNumericalTrouble : status;
+    std::copy_n(before.begin(), count(), spans_.durations.begin());
+  }
+  return Status::kNumericalTrouble;
+}
+
+Status TrajectoryPlanner::refine(std::uint64_t work) {
   // The exact solve at the end takes more than a trial did.
   const std::uint64_t reserve = 4 * 3 * count() * (kWorkOfSetUp + count());
   const std::uint64_t left = work_left() > reserve ? work_left() - reserve : 0;
-  return refine_durations(
-      problem({}),
-      {time_weight(), std::min(request_.budget.refinement, left), is_from_rest() ? bounds_ : MotionBounds{}},
-      spans_.trajectory, spans_.refinement, durations(), spans_.segments.first(count()), fitted_.report);
+  return refine_durations(problem({}), {time_weight(), std::min(work, left), is_from_rest() ? bounds_ : MotionBounds{}},
+                          spans_.trajectory, spans_.refinement, durations(), spans_.segments.first(count()),
+                          fitted_.report);
 }
 
 /// Bounds of norms and jerk, which the QP does not know. From rest a trajectory slowed down by s keeps limits divided

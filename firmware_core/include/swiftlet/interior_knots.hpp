@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "swiftlet/trajectory.hpp"
@@ -21,9 +22,11 @@ struct KnottedCorridor {
 /// Repeats boxes so that no straight piece between two points is longer than `longest_leg` [m] (largest axis), at most
 /// `kMostPieces` pieces a box and as far as the buffers reach; the pieces of a leg are equally long.
 ///   count   boxes in use, at least one
+///   legs    only the first so many legs are looked at
 /// Returns the number of boxes afterwards. Cost O(M).
 inline constexpr std::size_t kMostPieces = 3;
-std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Real longest_leg);
+std::size_t insert_knots(const KnottedCorridor& corridor, std::size_t count, Real longest_leg,
+                         std::size_t legs = std::numeric_limits<std::size_t>::max());
 
 /// Puts `copies` more of the first box in front, with gates that are the box itself; points 1 to `copies` are left to
 /// the caller. False, and nothing done, where the buffers are too short. Cost O(M).

@@ -79,12 +79,15 @@ class TrajectoryPlanner {
   bool add_braking();
   void stop_at_every_gate();
   Status allocate_profile();
+  void fit_first_box(std::span<Real> times) const;
   Status try_durations();
   Status stretch_from_rest();
   Status stretch_from_motion();
-  Status tighten_limits();
-  Status refine();
+  Status tighten_limits(Real weight);
+  Status refine(std::uint64_t work);
+  Status complete(Status found);
   Status optimise();
+  Status optimise_from_motion();
   Status slow_down_to_bounds();
   bool certify_segments();
   Status fall_back(Status optimised);
