@@ -8,4 +8,8 @@ namespace swiftlet::inline mps2_an500 {
 inline constexpr Capacity kBoard{.segments = 128, .search_nodes = 16'384};
 inline constexpr BoardMemory kBoardMemory{.map_bytes = 16U << 20, .planner_bytes = 3U << 20};
 
+/// Units of work (trajectory_generator.hpp) that this board does in a microsecond: budgets given in time are converted
+/// by it, and by nothing else.
+inline constexpr double kWorkPerMicrosecond = 0.2;
+
 }  // namespace swiftlet::inline mps2_an500

@@ -23,13 +23,22 @@ constexpr std::array<Real, 8> kMovingStretches{1, Real(1.25), Real(0.8), Real(1.
 // Continuation from looser limits, see tighten_limits.
 constexpr std::size_t kKnottedLegs = 4;
 constexpr Real kLoosest = 40;
-/// With what weight of time (share of the usual one) limits are tightened, and whether with more knots.
+/// With what weight of time (share of the usual one) limits are tightened, from what stretch of the profile, and
+/// whether with more knots.
 struct Tightening {
   Real weight;
+  Real stretch;
   bool knots;
 };
-constexpr std::array<Tightening, 5> kWays{
-    {{Real(0.001), false}, {Real(0.1), false}, {Real(0.001), true}, {Real(0.1), true}, {1, false}}};
+constexpr std::array<Tightening, 9> kWays{{{Real(0.001), 1, false},
+                                           {Real(0.1), 1, false},
+                                           {1, 1, false},
+                                           {Real(0.001), Real(1.5), false},
+                                           {Real(0.001), 1, true},
+                                           {Real(0.1), 1, true},
+                                           {Real(0.001), Real(1.5), true},
+                                           {Real(0.01), Real(0.75), true},
+                                           {Real(0.01), Real(2.5), true}}};
 constexpr int kTightenings = 24;
 constexpr std::uint64_t kTighteningTrials = 8;
 // Jerk cost that a second is worth, in units of a^3 over the path's length: more flies faster, less smoother. Free of
@@ -274,20 +283,25 @@ Status TrajectoryPlanner::stretch_from_rest() {
   return status;
 }
 
-/// Stretches the profile both ways, the later segments in full and the first ones, within the time that stopping
+/// Durations from the profile, the later segments stretched in full and the first ones, within the time that stopping
 /// takes, only in part: they have to fit the motion.
-Status TrajectoryPlanner::stretch_from_motion() {
+void TrajectoryPlanner::stretch_profile(Real stretch) {
   const Real stopping = (request_.start.velocity.cwiseAbs().array() / fitted_.qp_a_max.array()).maxCoeff();
+  Real elapsed = 0;
+  for (std::size_t i = 0; i < count(); ++i) {
+    const Real middle = elapsed + spans_.profile[i] / 2;
+    const Real share = middle < stopping ? middle / stopping : Real(1);
+    spans_.durations[i] = spans_.profile[i] * (1 + (stretch - 1) * share * share);
+    elapsed += spans_.profile[i];
+  }
+  fit_first_box(durations());
+}
+
+/// Stretches the profile both ways until the QP can follow it.
+Status TrajectoryPlanner::stretch_from_motion() {
   Status status = Status::kOk;
   for (const Real stretch : kMovingStretches) {
-    Real elapsed = 0;
-    for (std::size_t i = 0; i < count(); ++i) {
-      const Real middle = elapsed + spans_.profile[i] / 2;
-      const Real share = middle < stopping ? middle / stopping : Real(1);
-      spans_.durations[i] = spans_.profile[i] * (1 + (stretch - 1) * share * share);
-      elapsed += spans_.profile[i];
-    }
-    fit_first_box(durations());
+    stretch_profile(stretch);
     status = try_durations();
     if (status == Status::kOk || work_left() == 0) return status;
   }
@@ -299,7 +313,6 @@ Status TrajectoryPlanner::stretch_from_motion() {
 Status TrajectoryPlanner::tighten_limits(Real weight) {
   const Vector3 v_max = fitted_.qp_v_max;
   const Vector3 a_max = fitted_.qp_a_max;
-  std::copy_n(spans_.profile.begin(), count(), spans_.durations.begin());
   const auto loosen = [&](Real factor) {
     fitted_.qp_v_max = std::sqrt(factor) * v_max;
     fitted_.qp_a_max = factor * a_max;
@@ -358,14 +371,52 @@ Status TrajectoryPlanner::optimise_from_motion() {
     std::copy_n(spans_.stop_durations.begin(), count(), spans_.durations.begin());
     return complete(try_durations());
   }
+  while (status != Status::kOk && work_left() > 0 && drop_first_box()) {
+    status = allocate_profile();
+    if (status == Status::kOk) status = complete(stretch_from_motion());
+  }
+  if (!corridor_has_room()) return Status::kInfeasible;
   for (const Tightening& way : kWays) {
     if (status == Status::kOk || work_left() == 0) break;
     spans_.refinement.warm.count = {};
     if (way.knots) fitted_.box_count = insert_knots(corridor_, count(), 0, kKnottedLegs);
     status = allocate_profile();
-    if (status == Status::kOk) status = complete(tighten_limits(way.weight));
+    if (status != Status::kOk) break;
+    stretch_profile(way.stretch);
+    status = complete(tighten_limits(way.weight));
   }
   return status;
+}
+
+/// Whether every axis has the room to stop, at full level from now, within the boxes of the corridor taken together.
+bool TrajectoryPlanner::corridor_has_room() const {
+  Box hull = corridor_.boxes[0];
+  for (const Box& box : corridor_.boxes.first(count())) hull = {hull.lo.cwiseMin(box.lo), hull.hi.cwiseMax(box.hi)};
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Real v = request_.start.velocity[axis];
+    const Real stop = request_.start.position[axis] + v * std::fabs(v) / (2 * fitted_.qp_a_max[axis]);
+    if (stop < hull.lo[axis] - kFeasibility || stop > hull.hi[axis] + kFeasibility) return false;
+  }
+  return true;
+}
+
+/// A start about to leave its box may lie in the next one already.
+bool TrajectoryPlanner::drop_first_box() {
+  if (count() < 2) return false;
+  const Box& next = corridor_.boxes[1];
+  const Vector3& p = request_.start.position;
+  if ((p.array() < next.lo.array()).any() || (p.array() > next.hi.array()).any()) return false;
+  const auto shift = [&](auto span, std::size_t elements) {
+    for (std::size_t i = 0; i + 1 < elements; ++i) span[i] = span[i + 1];
+  };
+  shift(corridor_.int_boxes, count());
+  shift(corridor_.boxes, count());
+  shift(corridor_.gates, count() - 1);
+  shift(corridor_.points, count() + 1);
+  corridor_.points[0] = p;
+  --fitted_.box_count;
+  spans_.refinement.warm.count = {};
+  return true;
 }
 
 /// From durations that a rough solve has found feasible to a certified trajectory. Where the refined ones fail, as they

@@ -1,6 +1,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,11 +14,14 @@
 #include "cli/plan_document.hpp"
 #include "cli/query_file.hpp"
 #include "cli/stopwatch.hpp"
+#include "cli/vehicle_file.hpp"
 #include "report/plan_report.hpp"
 #include "swiftlet/planner.hpp"
 
 namespace swiftlet::tools {
 namespace {
+
+constexpr std::uint64_t kNotGiven = std::numeric_limits<std::uint64_t>::max();
 
 struct PlanOptions {
   std::string map;
@@ -26,6 +30,9 @@ struct PlanOptions {
   std::string corridor = "extents";
   std::string relax = "on";
   std::string search = "default";
+  std::string vehicle;
+  std::uint64_t refine_us = kNotGiven;
+  std::uint64_t deadline_us = kNotGiven;
   std::string queries;
   std::string json;
   std::string csv;
@@ -43,10 +50,20 @@ PlannerStorage<kBoard>
     storage;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): far too large for a stack
 
 std::string describe_blocking(const Blocking& blocking) {
-  static constexpr std::array<const char*, 3> kBounds{"position", "velocity", "acceleration"};
-  return std::string("the ") + kBounds[static_cast<std::size_t>(blocking.bound)] + " bound of corridor box " +
-         std::to_string(blocking.box) + " on axis " + "xyz"[blocking.axis] +
-         " cannot be met from this motion; raise the limits or slow down first";
+  const std::string where = "corridor box " + std::to_string(blocking.box) + " on axis " + "xyz"[blocking.axis];
+  std::array<char, 32> missing{};
+  std::snprintf(missing.data(), missing.size(), "%.3g", blocking.missing);
+  switch (blocking.bound) {
+    case BoundKind::kPosition:
+      return std::string("the room in ") + where + " is " + missing.data() +
+             " m too short for this motion; raise --amax or slow down first";
+    case BoundKind::kVelocity:
+      return std::string("the speed in ") + where + " is " + missing.data() +
+             " m/s beyond its limit; raise --vmax or slow down first";
+    default:
+      return std::string("the acceleration in ") + where + " is " + missing.data() +
+             " m/s^2 beyond its limit; raise --amax or fly more gently first";
+  }
 }
 
 std::string explain(const MapFile& map, Obstacles& obstacles, const PlanRequest& request, const Plan& plan) {
@@ -164,10 +181,19 @@ ExitStatus plan_many(const PlanOptions& options) {
   return ExitStatus::kDone;
 }
 
+constexpr std::uint64_t kLongestBudget = 1'000'000'000;  // [us]
+
+/// Budgets are counts of work inside the core: the same numbers give the same plan, whatever the machine's load.
+std::uint64_t to_work(std::uint64_t microseconds) {
+  return static_cast<std::uint64_t>(static_cast<double>(microseconds) * kWorkPerMicrosecond);
+}
+
 void apply_choices(PlanOptions& options) {
   options.request.norm = options.norm == "axis" ? LimitNorm::kAxis : LimitNorm::kEuclidean;
   options.request.corridor = options.corridor == "extents" ? CorridorKind::kExtents : CorridorKind::kCells;
   options.request.relax = options.relax == "on";
+  if (options.refine_us != kNotGiven) options.request.budget.refinement = to_work(options.refine_us);
+  if (options.deadline_us != kNotGiven) options.request.budget.deadline = to_work(options.deadline_us);
   options.request.search.mode = options.search == "plain"       ? SearchMode::kPlain
                                 : options.search == "landmarks" ? SearchMode::kLandmarks
                                                                 : SearchMode::kDefault;
@@ -181,11 +207,17 @@ void add_planning_options(CLI::App& command, PlanOptions& options) {
   add_choice(command, "--norm", options.norm, {"axis", "euclidean"}, "What the limits bound");
   add_vector(command, "--start-velocity", request.start.velocity, "Velocity at the start [m/s]");
   add_vector(command, "--start-acceleration", request.start.acceleration, "Acceleration at the start [m/s^2]");
+  add_number(command, "--jmax", request.j_max, limits, "Jerk limit [m/s^3]");
+  command.add_option("--vehicle", options.vehicle, "swiftlet-vehicle/1 file: thrust and body rates to keep");
   add_choice(command, "--corridor", options.corridor, {"extents", "cells"}, "Large boxes, or the paper's cells");
   add_choice(command, "--relax", options.relax, {"on", "off"}, "Relax windows of a corridor of cells");
   add_choice(command, "--search", options.search, {"default", "landmarks", "plain"}, "Graph and heuristic");
   add_number(command, "--search-weight", request.search.weight, {1, 1e6}, "Trade path length for search time");
   add_number(command, "--snap", request.snap_distance, {0, 1e6}, "Move an end that is not free so far at most [m]");
+  add_count(command, "--refine-us", options.refine_us, 0, kLongestBudget,
+            "Work spent on refining the times [us]; 0 leaves that out");
+  add_count(command, "--deadline-us", options.deadline_us, 0, kLongestBudget,
+            "Work after which the best answer so far is taken [us]");
 }
 
 }  // namespace
@@ -211,7 +243,13 @@ void add_plan_command(CLI::App& app, Command& chosen) {
   command->callback([options, start, &chosen] {
     if (start->count() == 0 && options->queries.empty()) throw CLI::RequiredError("--start and --goal, or --queries");
     apply_choices(*options);
-    chosen = [options] { return options->queries.empty() ? plan_one(*options) : plan_many(*options); };
+    chosen = [options] {
+      if (!options->vehicle.empty()) {
+        const VehicleModel model = load_vehicle(options->vehicle).model;
+        options->request.vehicle = Vehicle{model.mass, model.thrust_min, model.thrust_max, model.rate_max};
+      }
+      return options->queries.empty() ? plan_one(*options) : plan_many(*options);
+    };
   });
 }
 

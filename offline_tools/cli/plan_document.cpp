@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cli/vehicle_json.hpp"
 #include "swiftlet/trajectory.hpp"
 
 namespace swiftlet::tools {
@@ -38,13 +39,20 @@ Json to_json(std::span<const Segment> segments) {
   return list;
 }
 
-Json to_json(const Certificate& certificate) {
+Json or_null(bool exists, double value) { return exists ? Json(value) : Json(nullptr); }
+
+Json to_json(const Certificate& certificate, bool has_vehicle) {
   return {{"tolerance", certificate.tolerance},
           {"box_margin", certificate.box_margin},
           {"max_speed", to_json(certificate.max_speed)},
           {"max_speed_norm", certificate.max_speed_norm},
           {"max_acceleration", to_json(certificate.max_acceleration)},
           {"max_acceleration_norm", certificate.max_acceleration_norm},
+          {"max_jerk", to_json(certificate.max_jerk)},
+          {"max_jerk_norm", certificate.max_jerk_norm},
+          {"min_thrust", or_null(has_vehicle, certificate.min_thrust)},
+          {"max_thrust", or_null(has_vehicle, certificate.max_thrust)},
+          {"max_rate", or_null(has_vehicle, certificate.max_rate)},
           {"pass", certificate.pass}};
 }
 
@@ -100,6 +108,7 @@ void put_solver_stats(Json& stats, const TrajectoryReport& report) {
   stats["qp_iterations"] = report.qp_iterations;
   stats["constraints_added"] = report.constraints_added;
   stats["active"] = report.active;
+  stats["work"] = report.work;
   stats["time_scale"] = report.time_scale;
 }
 
@@ -141,6 +150,8 @@ Json plan_document(const MapFile& map, const PlanRequest& request, const Plan& p
                      {"goal", to_json(request.goal)},
                      {"vmax", request.v_max},
                      {"amax", request.a_max},
+                     {"jmax", or_null(request.j_max < kUnlimited, request.j_max)},
+                     {"vehicle", request.vehicle ? vehicle_json(*request.vehicle) : Json(nullptr)},
                      {"norm", request.norm == LimitNorm::kAxis ? "axis" : "euclidean"},
                      {"corridor", request.corridor == CorridorKind::kExtents ? "extents" : "cells"},
                      {"relax", request.relax}};
@@ -152,7 +163,7 @@ Json plan_document(const MapFile& map, const PlanRequest& request, const Plan& p
   }
   if (!plan.segments.empty()) put_trajectory(json, plan.segments);
   if (times.trajectory) put_qp(json, plan.qp_v_max, plan.qp_a_max, Margins{});
-  if (!plan.segments.empty()) json["certificate"] = to_json(plan.certificate);
+  if (!plan.segments.empty()) json["certificate"] = to_json(plan.certificate, request.vehicle.has_value());
   put_outcome(json, plan.status, plan.trajectory);
 
   Json& stats = json["stats"];
@@ -180,7 +191,7 @@ Json case_document(const TrajectoryCase& problem, const CaseAnswer& answer) {
   json["gates"] = to_json(problem.gates);
   if (!answer.segments.empty()) put_trajectory(json, answer.segments);
   put_qp(json, Vector3::Constant(problem.v_max), Vector3::Constant(problem.a_max), problem.margins);
-  if (!answer.segments.empty()) json["certificate"] = to_json(answer.certificate);
+  if (!answer.segments.empty()) json["certificate"] = to_json(answer.certificate, false);
   put_outcome(json, answer.status, answer.report);
   if (answer.status == Status::kBadRequest) return json;
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "cli/json_reader.hpp"
+#include "cli/vehicle_json.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -48,6 +49,10 @@ class PlanReader : private JsonReader {
     plan_.a_max = number(member(request, "amax"), "request.amax");
     const std::string norm = word(member(request, "norm"), "request.norm");
     if (norm != "axis" && norm != "euclidean") refuse("'request.norm' is neither \"axis\" nor \"euclidean\"");
+    if (request.contains("jmax") && !request["jmax"].is_null()) plan_.j_max = number(request["jmax"], "request.jmax");
+    if (request.contains("vehicle") && !request["vehicle"].is_null()) {
+      plan_.vehicle = read_vehicle(*this, request["vehicle"], "request.vehicle");
+    }
     plan_.norm = norm == "axis" ? LimitNorm::kAxis : LimitNorm::kEuclidean;
   }
 
@@ -74,6 +79,16 @@ class PlanReader : private JsonReader {
     certificate.max_speed_norm = value("max_speed_norm");
     certificate.max_acceleration = vector(member(json, "max_acceleration"), "certificate.max_acceleration");
     certificate.max_acceleration_norm = value("max_acceleration_norm");
+    plan_.has_jerk = json.contains("max_jerk");
+    if (plan_.has_jerk) {
+      certificate.max_jerk = vector(json["max_jerk"], "certificate.max_jerk");
+      certificate.max_jerk_norm = value("max_jerk_norm");
+    }
+    if (plan_.vehicle) {
+      certificate.min_thrust = value("min_thrust");
+      certificate.max_thrust = value("max_thrust");
+      certificate.max_rate = value("max_rate");
+    }
     certificate.pass = boolean(member(json, "pass"), "certificate.pass");
   }
 

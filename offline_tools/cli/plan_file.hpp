@@ -25,9 +25,11 @@ struct StoredPlan {
   State goal;
   std::optional<SnappedEnd> snapped_start;
   std::optional<SnappedEnd> snapped_goal;
-  double v_max = 0;  ///< [m/s]
-  double a_max = 0;  ///< [m/s^2]
+  double v_max = 0;           ///< [m/s]
+  double a_max = 0;           ///< [m/s^2]
+  double j_max = kUnlimited;  ///< [m/s^3]
   LimitNorm norm = LimitNorm::kAxis;
+  std::optional<Vehicle> vehicle;
   // The rest is empty unless the status has a trajectory.
   std::vector<Box> boxes;
   std::vector<Box> gates;
@@ -35,7 +37,10 @@ struct StoredPlan {
   double duration = 0;  ///< [s]
   double length = 0;    ///< [m]
   Vector3 jerk_cost = Vector3::Zero();
+  bool has_jerk = false;    ///< whether the certificate speaks of jerk and thrust: those of older plans do not
   Certificate certificate;  ///< without jumps and end errors, which the format leaves out
+
+  [[nodiscard]] FlightLimits limits() const { return {v_max, a_max, j_max, norm, vehicle}; }
 
   /// Whether the status is one that comes with a trajectory.
   [[nodiscard]] bool has_trajectory() const { return status == "optimal" || status == "fallback"; }

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -192,16 +191,12 @@ class PlanCheck {
   }
 
   [[nodiscard]] CertificateRequest request() const {
-    constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-    const bool axis = plan_.norm == LimitNorm::kAxis;
-    return {.boxes = plan_.boxes,
-            .gates = plan_.gates,
-            .start = planned(plan_.start, plan_.snapped_start),
-            .goal = planned(plan_.goal, plan_.snapped_goal),
-            .v_max = Vector3::Constant(axis ? plan_.v_max : kUnlimited),
-            .a_max = Vector3::Constant(axis ? plan_.a_max : kUnlimited),
-            .speed_max = axis ? kUnlimited : plan_.v_max,
-            .acceleration_norm_max = axis ? kUnlimited : plan_.a_max};
+    CertificateRequest request = certificate_request(plan_.limits());
+    request.boxes = plan_.boxes;
+    request.gates = plan_.gates;
+    request.start = planned(plan_.start, plan_.snapped_start);
+    request.goal = planned(plan_.goal, plan_.snapped_goal);
+    return request;
   }
 
   /// Each segment by itself, so that a finding names it.
@@ -223,6 +218,14 @@ class PlanCheck {
       check_limit("speed", axis ? bounds.max_speed.maxCoeff() : bounds.max_speed_norm, plan_.v_max, kUnits[1]);
       check_limit("acceleration", axis ? bounds.max_acceleration.maxCoeff() : bounds.max_acceleration_norm, plan_.a_max,
                   kUnits[2]);
+      check_limit("jerk", axis ? bounds.max_jerk.maxCoeff() : bounds.max_jerk_norm, plan_.j_max, " m/s^3");
+      if (!plan_.vehicle) continue;
+      check_limit("thrust", bounds.max_thrust, plan_.vehicle->thrust_max, " N");
+      check_limit("body rate", bounds.max_rate, plan_.vehicle->rate_max, " rad/s");
+      if (bounds.min_thrust < plan_.vehicle->thrust_min - bounds.tolerance) {
+        find(name + "thrust of " + number_text(bounds.min_thrust) + " N, at least " +
+             number_text(plan_.vehicle->thrust_min) + " N");
+      }
     }
   }
 
@@ -251,6 +254,18 @@ class PlanCheck {
     check("certificate.max_speed_norm", claim.max_speed_norm, proof_.max_speed_norm, proof_.tolerance);
     check("certificate.max_acceleration_norm", claim.max_acceleration_norm, proof_.max_acceleration_norm,
           proof_.tolerance);
+    if (plan_.has_jerk) {
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        check("certificate.max_jerk[" + std::to_string(axis) + "]", claim.max_jerk[axis], proof_.max_jerk[axis],
+              proof_.tolerance);
+      }
+      check("certificate.max_jerk_norm", claim.max_jerk_norm, proof_.max_jerk_norm, proof_.tolerance);
+    }
+    if (plan_.vehicle) {
+      check("certificate.min_thrust", claim.min_thrust, proof_.min_thrust, proof_.tolerance);
+      check("certificate.max_thrust", claim.max_thrust, proof_.max_thrust, proof_.tolerance);
+      check("certificate.max_rate", claim.max_rate, proof_.max_rate, proof_.tolerance);
+    }
     if (claim.pass != proof_.pass) {
       find(std::string("'certificate.pass' is ") + (claim.pass ? "true" : "false") + ", but the polynomials say " +
            (proof_.pass ? "true" : "false"));

@@ -3,15 +3,13 @@
 #include <limits>
 #include <optional>
 
+#include "swiftlet/flatness.hpp"
 #include "swiftlet/trajectory.hpp"
 #include "swiftlet/types.hpp"
 
 namespace swiftlet {
 
 inline constexpr Real kUnlimited = std::numeric_limits<Real>::infinity();
-
-/// Standard gravity [m/s^2].
-inline constexpr Real kGravity = Real(9.80665);
 
 /// Speed [m/s] and acceleration [m/s^2] limits outside this range are no request of a multirotor.
 inline constexpr Real kLeastLimit = Real(1e-3);

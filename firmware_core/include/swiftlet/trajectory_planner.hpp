@@ -77,11 +77,14 @@ class TrajectoryPlanner {
   bool ends_keep_limits();
   void add_knots();
   bool add_braking();
+  bool drop_first_box();
+  [[nodiscard]] bool corridor_has_room() const;
   void stop_at_every_gate();
   Status allocate_profile();
   void fit_first_box(std::span<Real> times) const;
   Status try_durations();
   Status stretch_from_rest();
+  void stretch_profile(Real stretch);
   Status stretch_from_motion();
   Status tighten_limits(Real weight);
   Status refine(std::uint64_t work);
