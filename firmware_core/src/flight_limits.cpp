@@ -64,7 +64,7 @@ Real slow_down(const Segment& segment, const MotionBounds& bounds) {
     jerk = std::max({jerk, sample.jerk.squaredNorm() / (bounds.j.norm * bounds.j.norm),
                      sample.jerk.cwiseAbs2().maxCoeff() / (bounds.j.axis * bounds.j.axis)});
   }
-  return std::max({Real(1), std::sqrt(speed), std::sqrt(std::sqrt(acceleration)), cube_root(std::sqrt(jerk))});
+  return std::max({std::sqrt(speed), std::sqrt(std::sqrt(acceleration)), cube_root(std::sqrt(jerk))});
 }
 
 }  // namespace swiftlet

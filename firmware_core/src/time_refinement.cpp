@@ -91,7 +91,8 @@ class Refinement {
     const Real shortest = kShortestShare * sum(durations_) / static_cast<Real>(durations_.size());
     for (std::size_t i = 0; i < durations_.size(); ++i) {
       Real factor = step_factor(gradient_[i], options_.time_weight, halvings);
-      if (slow_down_ > 1) factor = std::max(factor, std::sqrt(slow_down(segments_[i], options_.bounds)));
+      // To first order no faster than the other bounds allow.
+      if (options_.bounds.exceed_axes()) factor = std::max(factor, slow_down(segments_[i], options_.bounds));
       trial_[i] = std::max(factor * durations_[i], std::min(shortest, durations_[i]));
     }
   }

@@ -458,7 +458,7 @@ Status TrajectoryPlanner::slow_down_to_bounds() {
          cube_root(proof.max_jerk_norm / bounds_.j.norm), cube_root(proof.max_jerk.maxCoeff() / bounds_.j.axis)});
     whole = std::max(whole, Real(1)) * (1 + Real(sizeof(Real) == 8 ? 1e-7 : 1e-4));
     for (std::size_t i = 0; i < count(); ++i) {
-      spans_.durations[i] *= from_rest ? whole : slow_down(spans_.segments[i], bounds_);
+      spans_.durations[i] *= from_rest ? whole : std::max(Real(1), slow_down(spans_.segments[i], bounds_));
     }
     // With the limits as they are the optimum may do better than the slower trajectory, but need not keep the bounds.
     if (from_rest && round > 0) {

@@ -59,8 +59,8 @@ struct MotionBounds {
 };
 MotionBounds motion_bounds(const FlightLimits& limits);
 
-/// The factor >= 1 by which a segment would have to be slowed down to keep the bounds that the QP does not know: those
-/// of norms and of jerk, looked at in 9 points. An estimate, not a proof.
+/// The factor on its duration with which a segment would just keep the bounds that the QP does not know, those of norms
+/// and of jerk; below 1 where it is slower than it need be. Looked at in 9 points: an estimate, not a proof.
 Real slow_down(const Segment& segment, const MotionBounds& bounds);
 
 /// The cube root of x >= 0, by Newton's method: + - * / alone.
