@@ -11,7 +11,7 @@ constexpr Real kLargestStep = Real(1.5);  // factor on a duration in one step
 // No segment is refined to less than this share of the mean: the cost's condition grows with the ratio's fifth power.
 constexpr Real kShortestShare = Real(0.05);
 // A step that improves the objective by less than this share is the last one.
-constexpr Real kLeastGain = Real(1e-3);
+constexpr Real kLeastGain = Real(5e-3);
 
 // The best trial may be feasible only within a trial's tolerance; then its durations are stretched a little.
 constexpr Real kRepairStretch = Real(1.002);
