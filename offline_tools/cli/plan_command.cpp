@@ -149,7 +149,7 @@ std::string report_page(const MapFile& map, Obstacles& obstacles, const PlanRequ
 }
 
 ExitStatus plan_one(const PlanOptions& options) {
-  check_outputs({options.json, options.csv, options.report}, {options.map});
+  check_outputs({options.json, options.csv, options.report}, {options.map, options.vehicle});
   const MapFile map = load_map(options.map);
   Obstacles obstacles(map);
   const TimedPlan timed = run_planner(map, obstacles, options.request);
@@ -165,7 +165,7 @@ ExitStatus plan_one(const PlanOptions& options) {
 }
 
 ExitStatus plan_many(const PlanOptions& options) {
-  check_outputs({options.jsonl}, {options.map, options.queries});
+  check_outputs({options.jsonl}, {options.map, options.queries, options.vehicle});
   const std::vector<Query> queries = load_queries(options.queries);
   const MapFile map = load_map(options.map);
   Obstacles obstacles(map);

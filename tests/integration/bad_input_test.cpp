@@ -257,6 +257,40 @@ TEST_F(BadPlan, NumbersThatAreNoRequestAreUsageErrors) {
   EXPECT_TRUE(refuses(with("--corridor", "tubes"), 2, {"--corridor"}));
   EXPECT_TRUE(refuses(with("--relax", "maybe"), 2, {"--relax"}));
   EXPECT_TRUE(refuses(with("--search", "best"), 2, {"--search"}));
+  for (const char* bad : {"0", "-1", "nan", "inf", ""}) EXPECT_TRUE(refuses(with("--jmax", bad), 2, {"--jmax"})) << bad;
+  for (const char* bad : {"-1", "1.5", "nan", "", "99999999999999999999"}) {
+    EXPECT_TRUE(refuses(with("--refine-us", bad), 2, {"--refine-us"})) << bad;
+    EXPECT_TRUE(refuses(with("--deadline-us", bad), 2, {"--deadline-us"})) << bad;
+  }
+}
+
+TEST_F(BadPlan, AVehicleFileIsRefusedByNameAndFault) {
+  const auto refuses_vehicle = [&](const std::string& text, const Words& words) {
+    write_text(path("v.json"), text);
+    Words all = words;
+    all.push_back("v.json");
+    return refuses(plan(kLeft, kLeftToo, {"--vmax", "1", "--amax", "1", "--vehicle", path("v.json")}), 3, all);
+  };
+  const auto with = [](const std::string& key, const std::string& value) {
+    Json json{{"format", "swiftlet-vehicle/1"}, {"mass", 1}, {"thrust_min", 2}, {"thrust_max", 20}, {"rate_max", 3}};
+    json[key] = Json::parse(value);
+    return json.dump();
+  };
+  EXPECT_TRUE(refuses({"plan", path("good.swm"), "--start", kLeft, "--goal", kLeftToo, "--vmax", "1", "--amax", "1",
+                       "--vehicle", path("none.json")},
+                      3, {"none.json"}));
+  EXPECT_TRUE(refuses_vehicle("", {"empty", "swiftlet-vehicle/1"}));
+  EXPECT_TRUE(refuses_vehicle("{", {"JSON"}));
+  EXPECT_TRUE(refuses_vehicle("[]", {"object"}));
+  EXPECT_TRUE(refuses_vehicle("{}", {"format"}));
+  EXPECT_TRUE(refuses_vehicle(R"({"format":"swiftlet-vehicle/1"})", {"mass", "missing"}));
+  EXPECT_TRUE(refuses_vehicle(with("format", R"("swiftlet-case/1")"), {"format"}));
+  EXPECT_TRUE(refuses_vehicle(with("maximum_thrust", "20"), {"maximum_thrust"}));
+  EXPECT_TRUE(refuses_vehicle(with("mass", "\"heavy\""), {"mass"}));
+  EXPECT_TRUE(refuses_vehicle(with("mass", "0"), {"mass"}));
+  EXPECT_TRUE(refuses_vehicle(with("rate_max", "-1"), {"rate_max"}));
+  EXPECT_TRUE(refuses_vehicle(with("thrust_max", "9"), {"hover", "thrust_max"}));
+  EXPECT_TRUE(refuses_vehicle(with("thrust_min", "10"), {"hover", "thrust_min"}));
 }
 
 TEST_F(BadPlan, IncompleteOrContradictoryCommandLinesAreUsageErrors) {

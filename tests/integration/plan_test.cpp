@@ -244,6 +244,35 @@ TEST_F(Program, AMovingStartKeepsItsVelocityOrIsInfeasibleWithTheBlockingBound) 
   EXPECT_FALSE(crashing.contains("segments"));
 }
 
+TEST_F(Program, BudgetsAreCountsAndAUsedUpDeadlineFallsBack) {
+  const Json whole = planned(kLeft, kLeftToo);
+  const Json plain = planned(kLeft, kLeftToo, {"--refine-us", "0"});
+  EXPECT_EQ(plain["status"], "optimal");
+  EXPECT_LT(plain["stats"]["work"], whole["stats"]["work"]);
+  EXPECT_GT(plain["duration"], whole["duration"]);
+  const Json late = planned(kLeft, kLeftToo, {"--deadline-us", "0"});
+  EXPECT_EQ(late["status"], "fallback");
+  EXPECT_EQ(late["fallback_reason"], "deadline");
+  EXPECT_EQ(late["certificate"]["pass"], true);
+}
+
+TEST_F(Program, JerkAndVehicleLimitsStandInRequestAndCertificate) {
+  const Json without = planned(kLeft, kLeftToo);
+  EXPECT_TRUE(without["request"]["jmax"].is_null());
+  EXPECT_TRUE(without["request"]["vehicle"].is_null());
+  EXPECT_TRUE(without["certificate"]["max_rate"].is_null());
+  EXPECT_GT(without["certificate"]["max_jerk_norm"], 3.0);
+  write_text(path("vehicle.json"), R"({"format": "swiftlet-vehicle/1", "mass": 1.5, "thrust_min": 3,
+                                      "thrust_max": 25, "rate_max": 0.3})");
+  const Json json = planned(kLeft, kLeftToo, {"--jmax", "3", "--vehicle", path("vehicle.json")});
+  EXPECT_EQ(json["request"]["jmax"], 3.0);
+  EXPECT_EQ(json["request"]["vehicle"]["mass"], 1.5);
+  for (const Json& jerk : json["certificate"]["max_jerk"]) EXPECT_LE(jerk, 3.0 + 1e-6);
+  EXPECT_LE(json["certificate"]["max_rate"], 0.3 + 1e-6);
+  EXPECT_GE(json["certificate"]["min_thrust"], 3.0);
+  EXPECT_LE(json["certificate"]["max_thrust"], 25.0);
+}
+
 TEST_F(Program, MapReportsAgreeBetweenBuildAndInfo) {
   const Json built = Json::parse(read_text(path("map.json")));
   const Outcome run = swiftlet({"map", "info", path("rooms.swm"), "--json", "-"});

@@ -14,6 +14,8 @@ class Verify : public FolderTest {
   void SetUp() override {
     write_two_rooms(path("rooms.bt"));
     ASSERT_EQ(swiftlet({"map", "build", path("rooms.bt"), "-o", path("rooms.swm"), "--radius", "0.15"}).status, 0);
+    write_text(path("vehicle.json"), R"({"format": "swiftlet-vehicle/1", "mass": 1.5, "thrust_min": 3,
+                                        "thrust_max": 25, "rate_max": 2})");
     good_ = planned({});
   }
   Json planned(const std::vector<std::string>& extra) {
@@ -55,6 +57,11 @@ TEST_F(Verify, EveryPlanOfThePlannerHolds) {
                                              {"--corridor", "cells", "--relax", "off"},
                                              {"--norm", "euclidean"},
                                              {"--start-velocity", "0.4,0.2,0"},
+                                             {"--jmax", "3"},
+                                             {"--jmax", "3", "--norm", "euclidean"},
+                                             {"--vehicle", path("vehicle.json")},
+                                             {"--refine-us", "0"},
+                                             {"--deadline-us", "0"},
                                              {"--goal", kNearPillar, "--snap", "0.5"},
                                              {"--goal", kLeft}}) {
     const Json plan = planned(extra);
@@ -75,6 +82,18 @@ TEST_F(Verify, AChangedCoefficientBreaksContinuityOrTheEndsOrTheLimits) {
   ASSERT_GE(good_["segments"].size(), 2U);
   EXPECT_TRUE(finds([](Json& p) { add(p["segments"][1]["x"][0], 1e-3); }, {"between segments 0 and 1"}));
   EXPECT_TRUE(finds([](Json& p) { add(p["segments"][0]["z"][2], 100); }, {"segment 0: it leaves its box"}));
+}
+
+TEST_F(Verify, JerkThrustAndBodyRatesAreHeldAgainstTheRequest) {
+  good_ = planned({"--jmax", "3", "--vehicle", path("vehicle.json")});
+  ASSERT_TRUE(good_["certificate"]["max_rate"].is_number());
+  EXPECT_TRUE(finds([](Json& p) { p["request"]["jmax"] = 0.5; }, {"jerk", "limit 0.5 m/s^3"}));
+  EXPECT_TRUE(finds([](Json& p) { p["request"]["vehicle"]["thrust_max"] = 14.72; }, {"thrust", "limit 14.72 N"}));
+  EXPECT_TRUE(finds([](Json& p) { p["request"]["vehicle"]["rate_max"] = 0.01; }, {"body rate", "limit 0.01 rad/s"}));
+  for (const char* claim : {"max_jerk_norm", "min_thrust", "max_thrust", "max_rate"}) {
+    EXPECT_TRUE(finds([&](Json& p) { add(p["certificate"][claim], 0.1); }, {claim})) << claim;
+  }
+  EXPECT_TRUE(finds([](Json& p) { add(p["certificate"]["max_jerk"][1], 0.1); }, {"max_jerk[1]"}));
 }
 
 TEST_F(Verify, AChangedDurationIsFound) {

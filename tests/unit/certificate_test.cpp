@@ -153,5 +153,64 @@ TEST(Certificate, NeverPassesCountsThatDoNotMatch) {
   EXPECT_FALSE(flight.certificate().pass);
 }
 
+TEST(Certificate, JerkThrustAndRateBoundsAreAboveEverySampleAndClose) {
+  constexpr Vehicle kVehicle{.mass = 2, .thrust_min = 1, .thrust_max = 60, .rate_max = 20};
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    Flight flight(seed);
+    flight.request.vehicle = kVehicle;
+    const Certificate certificate = flight.certificate();
+    Vector3 jerk = Vector3::Zero();
+    Real jerk_norm = 0;
+    Real most = 0;
+    Real least = kInfinity;
+    Real rate = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (int k = 0; k <= 1000; ++k) {
+        const Sample s = sample_segment(flight.storage[i], flight.storage[i].duration * static_cast<Real>(k) / 1000);
+        const Real thrust = kVehicle.mass * (s.acceleration + Vector3{0, 0, kGravity}).norm();
+        jerk = jerk.cwiseMax(s.jerk.cwiseAbs());
+        jerk_norm = std::max(jerk_norm, s.jerk.norm());
+        most = std::max(most, thrust);
+        least = std::min(least, thrust);
+        rate = std::max(rate, s.jerk.norm() * kVehicle.mass / thrust);
+      }
+    }
+    const Real rounding = kIsDouble ? Real(1e-12) : Real(1e-4);
+    const Real slack = kIsDouble ? Real(1e-4) : Real(1e-2);
+    EXPECT_GE(certificate.max_jerk_norm, jerk_norm * (1 - rounding));
+    EXPECT_LE(certificate.max_jerk_norm, jerk_norm * (1 + slack));
+    for (Eigen::Index axis = 0; axis < 3; ++axis) EXPECT_GE(certificate.max_jerk[axis], jerk[axis] * (1 - rounding));
+    EXPECT_GE(certificate.max_thrust, most * (1 - rounding));
+    EXPECT_LE(certificate.max_thrust, most * (1 + slack));
+    EXPECT_LE(certificate.min_thrust, least * (1 + rounding));
+    EXPECT_GE(certificate.min_thrust, least * (1 - slack));
+    EXPECT_GE(certificate.max_rate, rate * (1 - rounding));
+  }
+}
+
+TEST(Certificate, EachNewBoundCanFailIt) {
+  const auto passes = [](auto&& tighten) {
+    Flight flight(3);
+    tighten(flight.request);
+    return flight.certificate().pass;
+  };
+  const Vehicle strong{.mass = 2, .thrust_min = 1, .thrust_max = 60, .rate_max = 20};
+  EXPECT_TRUE(passes([&](CertificateRequest& request) { request.vehicle = strong; }));
+  EXPECT_FALSE(passes([](CertificateRequest& request) { request.j_max = Vector3::Constant(Real(0.1)); }));
+  EXPECT_FALSE(passes([](CertificateRequest& request) { request.jerk_norm_max = Real(0.1); }));
+  EXPECT_FALSE(passes([&](CertificateRequest& request) {
+    request.vehicle = strong;
+    request.vehicle->thrust_min = Real(19.6);
+  }));
+  EXPECT_FALSE(passes([&](CertificateRequest& request) {
+    request.vehicle = strong;
+    request.vehicle->thrust_max = Real(19.63);
+  }));
+  EXPECT_FALSE(passes([&](CertificateRequest& request) {
+    request.vehicle = strong;
+    request.vehicle->rate_max = Real(0.01);
+  }));
+}
+
 }  // namespace
 }  // namespace swiftlet
