@@ -10,9 +10,6 @@ constexpr int kMostHalvings = 6;
 constexpr Real kLargestStep = Real(1.5);  // factor on a duration in one step
 // No segment is refined to less than this share of the mean: the cost's condition grows with the ratio's fifth power.
 constexpr Real kShortestShare = Real(0.05);
-// A step that improves the objective by less than this share is the last one.
-constexpr Real kLeastGain = Real(5e-3);
-
 // The best trial may be feasible only within a trial's tolerance; then its durations are stretched a little.
 constexpr Real kRepairStretch = Real(1.002);
 constexpr int kRepairs = 10;
@@ -62,6 +59,9 @@ class Refinement {
     attempt.durations = durations;
     attempt.effort = effort;
     const std::uint64_t work = report_.work;
+    const std::uint64_t left = options_.deadline > work ? options_.deadline - work : 0;
+    const std::uint64_t steps = left / (3 * durations.size());  // for each of the three axes
+    if (steps < attempt.effort.most_steps) attempt.effort.most_steps = static_cast<std::uint32_t>(steps);
     const std::uint32_t iterations = report_.qp_iterations;
     const Status status = generate_trajectory(attempt, trajectory_, segments_, report_, &warm_, gradient_);
     last_work_ = report_.work;
@@ -117,7 +117,7 @@ class Refinement {
       if (!current) continue;
       std::copy(trial_.begin(), trial_.end(), durations_.begin());
       best_slow_down = slow_down_;
-      const bool is_last = best - reached < kLeastGain * best;
+      const bool is_last = best - reached < options_.least_gain * best;
       best = reached;
       if (is_last) break;
     }
@@ -129,7 +129,7 @@ class Refinement {
   Status finish() {
     Status status = solve(durations_, problem_.effort);
     for (int repair = 0; repair < kRepairs && status != Status::kOk; ++repair) {
-      if (status == Status::kIterationLimit && problem_.effort.most_steps < SolveEffort{}.most_steps) break;
+      if (report_.work >= options_.deadline) break;
       for (Real& duration : durations_) duration *= kRepairStretch;
       status = solve(durations_, problem_.effort);
     }

@@ -30,21 +30,24 @@ struct Tightening {
   Real stretch;
   bool knots;
 };
-constexpr std::array<Tightening, 9> kWays{{{Real(0.001), 1, false},
-                                           {Real(0.1), 1, false},
-                                           {1, 1, false},
-                                           {Real(0.001), Real(1.5), false},
-                                           {Real(0.001), 1, true},
-                                           {Real(0.1), 1, true},
-                                           {Real(0.001), Real(1.5), true},
-                                           {Real(0.01), Real(0.75), true},
-                                           {Real(0.01), Real(2.5), true}}};
+constexpr std::array<Tightening, 10> kWays{{{Real(0.001), 1, false},
+                                            {Real(0.1), 1, false},
+                                            {1, 1, false},
+                                            {Real(0.001), Real(1.5), false},
+                                            {Real(0.001), 1, true},
+                                            {Real(0.1), 1, true},
+                                            {Real(0.001), Real(1.5), true},
+                                            {Real(0.01), Real(0.75), true},
+                                            {Real(0.01), Real(2.5), true},
+                                            {Real(0.02), 1, true}}};
 constexpr int kTightenings = 24;
-constexpr std::uint64_t kTighteningTrials = 8;
+constexpr Real kTighteningGain = Real(1e-3);
+constexpr std::uint64_t kTighteningTrials = 24;
 // Jerk cost that a second is worth, in units of a^3 over the path's length: more flies faster, less smoother. Free of
 // the speed limit, so that raising that limit does not change what is sought.
 constexpr Real kTimeWeight = 70;
 constexpr Real kShortestLength = Real(0.01);  // [m] in that unit
+constexpr Real kLeastGain = Real(5e-3);       // of a step of the refinement, for another one to follow
 constexpr int kSlowDowns = 4;
 
 bool is_at_rest(const State& state) { return state.velocity.isZero(0) && state.acceleration.isZero(0); }
@@ -109,8 +112,7 @@ const FittedTrajectory& TrajectoryPlanner::fit(const KnottedCorridor& corridor, 
   if (from_rest) {
     stop_at_every_gate();
   } else {
-    const Real j_max = std::min(bounds_.j.axis, bounds_.j.norm * Real(0.57735));
-    braking_ = brake_within(corridor_.boxes[0], request.start, fitted_.qp_v_max, fitted_.qp_a_max, j_max);
+    plan_braking();
   }
   const Status status = optimise();
   fitted_.status = status == Status::kOk ? status : fall_back(status);
@@ -170,6 +172,11 @@ bool TrajectoryPlanner::ends_keep_limits() {
 void TrajectoryPlanner::add_knots() {
   const Real ramps = fitted_.qp_v_max[0] * fitted_.qp_v_max[0] / fitted_.qp_a_max[0];  // [m] to the limit and back
   fitted_.box_count = insert_knots(corridor_, count(), kLongestLeg * ramps);
+}
+
+void TrajectoryPlanner::plan_braking() {
+  const Real j_max = std::min(bounds_.j.axis, bounds_.j.norm * Real(0.57735));
+  braking_ = brake_within(corridor_.boxes[0], request_.start, fitted_.qp_v_max, fitted_.qp_a_max, j_max);
 }
 
 /// Repeats the first box for the pieces of the braking.
@@ -335,11 +342,11 @@ Status TrajectoryPlanner::tighten_limits(Real weight) {
     }
     works = factor;
     if (factor <= 1) break;
-    const std::uint64_t refinement = kTighteningTrials * 3 * count() * (kWorkOfSetUp + count());
+    const std::uint64_t refinement = kTighteningTrials * count() * (kWorkOfSetUp + count());
     TrajectoryReport report;
     const Status refined =
-        refine_durations(problem(kTrialEffort), {weight * time_weight(), refinement, {}}, spans_.trajectory,
-                         spans_.refinement, durations(), spans_.segments.first(count()), report);
+        refine_durations(problem(kTrialEffort), {weight * time_weight(), refinement, {}, kTighteningGain},
+                         spans_.trajectory, spans_.refinement, durations(), spans_.segments.first(count()), report);
     fitted_.report.work += report.work;
     fitted_.report.qp_iterations += report.qp_iterations;
     if (refined != Status::kOk) break;
@@ -363,19 +370,14 @@ Status TrajectoryPlanner::optimise() {
 /// One way after the other to find durations, until one leads to a certified trajectory.
 Status TrajectoryPlanner::optimise_from_motion() {
   Status status = complete(stretch_from_motion());
-  if (status == Status::kOk) return status;
-  if (braking_.count > 0 && is_at_rest(request_.goal)) {
-    // The braking itself is within the QP's reach at its own durations.
-    if (!add_braking()) return Status::kCorridorCapacity;
-    stop_at_every_gate();
-    std::copy_n(spans_.stop_durations.begin(), count(), spans_.durations.begin());
-    return complete(try_durations());
-  }
-  while (status != Status::kOk && work_left() > 0 && drop_first_box()) {
+  while (status != Status::kOk && work_left() > 0) {
+    if (braking_.count > 0 && is_at_rest(request_.goal)) return optimise_braking();
+    if (!drop_first_box()) break;
+    plan_braking();
     status = allocate_profile();
     if (status == Status::kOk) status = complete(stretch_from_motion());
   }
-  if (!corridor_has_room()) return Status::kInfeasible;
+  if (status == Status::kOk || !corridor_has_room()) return status;
   for (const Tightening& way : kWays) {
     if (status == Status::kOk || work_left() == 0) break;
     spans_.refinement.warm.count = {};
@@ -386,6 +388,14 @@ Status TrajectoryPlanner::optimise_from_motion() {
     status = complete(tighten_limits(way.weight));
   }
   return status;
+}
+
+/// From the braking and the stops after it: they are within the QP's reach at their own durations.
+Status TrajectoryPlanner::optimise_braking() {
+  if (!add_braking()) return Status::kCorridorCapacity;
+  stop_at_every_gate();
+  std::copy_n(spans_.stop_durations.begin(), count(), spans_.durations.begin());
+  return complete(try_durations());
 }
 
 /// Whether every axis has the room to stop, at full level from now, within the boxes of the corridor taken together.
@@ -438,9 +448,11 @@ Status TrajectoryPlanner::complete(Status found) {
 
 Status TrajectoryPlanner::refine(std::uint64_t work) {
   // The exact solve at the end takes more than a trial did.
-  const std::uint64_t reserve = 4 * 3 * count() * (kWorkOfSetUp + count());
+  const std::uint64_t reserve = std::uint64_t{12} * count() * (kWorkOfSetUp + count());
   const std::uint64_t left = work_left() > reserve ? work_left() - reserve : 0;
-  return refine_durations(problem({}), {time_weight(), std::min(work, left), is_from_rest() ? bounds_ : MotionBounds{}},
+  return refine_durations(problem({}),
+                          {time_weight(), std::min(work, left), is_from_rest() ? bounds_ : MotionBounds{}, kLeastGain,
+                           request_.budget.deadline},
                           spans_.trajectory, spans_.refinement, durations(), spans_.segments.first(count()),
                           fitted_.report);
 }

@@ -220,7 +220,7 @@ TEST(TrajectoryPlanner, TheBitsOfSixFlightsAreTheSameOnEveryMachine) {
   if (!kIsDouble) return;
   constexpr std::array<std::uint64_t, 6> kGolden{17569263559325015521U, 1237929460256438020U, 16216011771432384386U,
                                                  15969488155605598420U, 6230358856317651574U, 3816802312408734130U};
-  for (std::uint64_t seed = 0; seed < kGolden.size(); ++seed) {
+  for (std::size_t seed = 0; seed < kGolden.size(); ++seed) {
     RandomFlight flight(seed);
     if (seed == 2) flight.request.limits.norm = LimitNorm::kEuclidean;
     if (seed == 3) flight.request.limits.vehicle = kVehicle;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "swiftlet/flight_limits.hpp"
@@ -19,6 +20,9 @@ struct RefinementOptions {
   std::uint64_t work = 0;    ///< units to spend on trials (trajectory_generator.hpp); 0 leaves the durations alone
   MotionBounds bounds = {};  ///< rest to rest only: those of norms and jerk, which the QP does not know; trajectories
                              ///< are compared as they are when slowed down to keep them
+  Real least_gain = Real(5e-3);  ///< a step that improves the objective by less than this share of it is the last one
+  /// Units that the report may hold in the end, but for the set-up of one solve.
+  std::uint64_t deadline = std::numeric_limits<std::uint64_t>::max();
 };
 
 /// Memory of one refinement of M segments; see storage.hpp.

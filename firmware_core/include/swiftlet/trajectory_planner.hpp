@@ -76,6 +76,7 @@ class TrajectoryPlanner {
 
   bool ends_keep_limits();
   void add_knots();
+  void plan_braking();
   bool add_braking();
   bool drop_first_box();
   [[nodiscard]] bool corridor_has_room() const;
@@ -91,6 +92,7 @@ class TrajectoryPlanner {
   Status complete(Status found);
   Status optimise();
   Status optimise_from_motion();
+  Status optimise_braking();
   Status slow_down_to_bounds();
   bool certify_segments();
   Status fall_back(Status optimised);
