@@ -12,7 +12,8 @@ Json vehicle_json(const Vehicle& vehicle) {
 Vehicle read_vehicle(const JsonReader& reader, const Json& json, const std::string& what) {
   const auto value = [&](const char* key) { return reader.number(reader.member(json, key), what + "." + key); };
   const Vehicle vehicle{value("mass_kg"), value("thrust_min_n"), value("thrust_max_n"), value("rate_max_rad_s")};
-  FlightLimits limits{.v_max = 1, .a_max = 1};
+  FlightLimits limits;
+  limits.v_max = limits.a_max = 1;
   limits.vehicle = vehicle;
   if (!is_usable(limits)) reader.refuse("'" + what + "' is no vehicle that can hover");
   return vehicle;

@@ -205,10 +205,11 @@ int main(int argc, char** argv) {
     const char* name;
     World (*make)(std::uint64_t seed);
   };
-  constexpr std::array<Kind, 4> kKinds{{{"classroom", swiftlet::tools::make_classroom},
-                                        {"maze", swiftlet::tools::make_maze},
-                                        {"office", swiftlet::tools::make_office},
-                                        {"forest", swiftlet::tools::make_forest}}};
+  constexpr std::array<Kind, 4> kKinds{
+      {{"classroom", swiftlet::tools::make_classroom},
+       {"maze", swiftlet::tools::make_maze},
+       {"office", [](std::uint64_t seed) { return swiftlet::tools::make_office(seed); }},
+       {"forest", swiftlet::tools::make_forest}}};
   for (const Kind& kind : kKinds) {
     const std::unique_ptr<Site> site = build(kind.name, kind.make(kSeed));
     if (!site) return 1;

@@ -272,7 +272,11 @@ TEST_F(BadPlan, AVehicleFileIsRefusedByNameAndFault) {
     return refuses(plan(kLeft, kLeftToo, {"--vmax", "1", "--amax", "1", "--vehicle", path("v.json")}), 3, all);
   };
   const auto with = [](const std::string& key, const std::string& value) {
-    Json json{{"format", "swiftlet-vehicle/1"}, {"mass", 1}, {"thrust_min", 2}, {"thrust_max", 20}, {"rate_max", 3}};
+    Json json{{"format", "swiftlet-vehicle/1"},
+              {"mass_kg", 1},
+              {"thrust_min_n", 2},
+              {"thrust_max_n", 20},
+              {"rate_max_rad_s", 3}};
     json[key] = Json::parse(value);
     return json.dump();
   };
@@ -283,14 +287,14 @@ TEST_F(BadPlan, AVehicleFileIsRefusedByNameAndFault) {
   EXPECT_TRUE(refuses_vehicle("{", {"JSON"}));
   EXPECT_TRUE(refuses_vehicle("[]", {"object"}));
   EXPECT_TRUE(refuses_vehicle("{}", {"format"}));
-  EXPECT_TRUE(refuses_vehicle(R"({"format":"swiftlet-vehicle/1"})", {"mass", "missing"}));
+  EXPECT_TRUE(refuses_vehicle(R"({"format":"swiftlet-vehicle/1"})", {"mass_kg", "missing"}));
   EXPECT_TRUE(refuses_vehicle(with("format", R"("swiftlet-case/1")"), {"format"}));
   EXPECT_TRUE(refuses_vehicle(with("maximum_thrust", "20"), {"maximum_thrust"}));
-  EXPECT_TRUE(refuses_vehicle(with("mass", "\"heavy\""), {"mass"}));
-  EXPECT_TRUE(refuses_vehicle(with("mass", "0"), {"mass"}));
-  EXPECT_TRUE(refuses_vehicle(with("rate_max", "-1"), {"rate_max"}));
-  EXPECT_TRUE(refuses_vehicle(with("thrust_max", "9"), {"hover", "thrust_max"}));
-  EXPECT_TRUE(refuses_vehicle(with("thrust_min", "10"), {"hover", "thrust_min"}));
+  EXPECT_TRUE(refuses_vehicle(with("mass_kg", "\"heavy\""), {"mass_kg"}));
+  EXPECT_TRUE(refuses_vehicle(with("mass_kg", "0"), {"mass_kg"}));
+  EXPECT_TRUE(refuses_vehicle(with("rate_max_rad_s", "-1"), {"rate_max_rad_s"}));
+  EXPECT_TRUE(refuses_vehicle(with("thrust_max_n", "9"), {"hover", "thrust_max_n"}));
+  EXPECT_TRUE(refuses_vehicle(with("thrust_min_n", "10"), {"hover", "thrust_min_n"}));
 }
 
 TEST_F(BadPlan, IncompleteOrContradictoryCommandLinesAreUsageErrors) {

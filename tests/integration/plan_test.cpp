@@ -262,11 +262,11 @@ TEST_F(Program, JerkAndVehicleLimitsStandInRequestAndCertificate) {
   EXPECT_TRUE(without["request"]["vehicle"].is_null());
   EXPECT_TRUE(without["certificate"]["max_rate"].is_null());
   EXPECT_GT(without["certificate"]["max_jerk_norm"], 3.0);
-  write_text(path("vehicle.json"), R"({"format": "swiftlet-vehicle/1", "mass": 1.5, "thrust_min": 3,
-                                      "thrust_max": 25, "rate_max": 0.3})");
+  write_text(path("vehicle.json"), R"({"format": "swiftlet-vehicle/1", "mass_kg": 1.5, "thrust_min_n": 3,
+                                      "thrust_max_n": 25, "rate_max_rad_s": 0.3})");
   const Json json = planned(kLeft, kLeftToo, {"--jmax", "3", "--vehicle", path("vehicle.json")});
   EXPECT_EQ(json["request"]["jmax"], 3.0);
-  EXPECT_EQ(json["request"]["vehicle"]["mass"], 1.5);
+  EXPECT_EQ(json["request"]["vehicle"]["mass_kg"], 1.5);
   for (const Json& jerk : json["certificate"]["max_jerk"]) EXPECT_LE(jerk, 3.0 + 1e-6);
   EXPECT_LE(json["certificate"]["max_rate"], 0.3 + 1e-6);
   EXPECT_GE(json["certificate"]["min_thrust"], 3.0);

@@ -14,8 +14,8 @@ class Verify : public FolderTest {
   void SetUp() override {
     write_two_rooms(path("rooms.bt"));
     ASSERT_EQ(swiftlet({"map", "build", path("rooms.bt"), "-o", path("rooms.swm"), "--radius", "0.15"}).status, 0);
-    write_text(path("vehicle.json"), R"({"format": "swiftlet-vehicle/1", "mass": 1.5, "thrust_min": 3,
-                                        "thrust_max": 25, "rate_max": 2})");
+    write_text(path("vehicle.json"), R"({"format": "swiftlet-vehicle/1", "mass_kg": 1.5, "thrust_min_n": 3,
+                                        "thrust_max_n": 25, "rate_max_rad_s": 2})");
     good_ = planned({});
   }
   Json planned(const std::vector<std::string>& extra) {
@@ -88,8 +88,9 @@ TEST_F(Verify, JerkThrustAndBodyRatesAreHeldAgainstTheRequest) {
   good_ = planned({"--jmax", "3", "--vehicle", path("vehicle.json")});
   ASSERT_TRUE(good_["certificate"]["max_rate"].is_number());
   EXPECT_TRUE(finds([](Json& p) { p["request"]["jmax"] = 0.5; }, {"jerk", "limit 0.5 m/s^3"}));
-  EXPECT_TRUE(finds([](Json& p) { p["request"]["vehicle"]["thrust_max"] = 14.72; }, {"thrust", "limit 14.72 N"}));
-  EXPECT_TRUE(finds([](Json& p) { p["request"]["vehicle"]["rate_max"] = 0.01; }, {"body rate", "limit 0.01 rad/s"}));
+  EXPECT_TRUE(finds([](Json& p) { p["request"]["vehicle"]["thrust_max_n"] = 14.72; }, {"thrust", "limit 14.72 N"}));
+  EXPECT_TRUE(
+      finds([](Json& p) { p["request"]["vehicle"]["rate_max_rad_s"] = 0.01; }, {"body rate", "limit 0.01 rad/s"}));
   for (const char* claim : {"max_jerk_norm", "min_thrust", "max_thrust", "max_rate"}) {
     EXPECT_TRUE(finds([&](Json& p) { add(p["certificate"][claim], 0.1); }, {claim})) << claim;
   }

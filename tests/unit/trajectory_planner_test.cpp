@@ -218,8 +218,8 @@ std::uint64_t hash_of(const RandomFlight& flight, const FittedTrajectory& fitted
 // replace them then, and say in the commit why the answers moved.
 TEST(TrajectoryPlanner, TheBitsOfSixFlightsAreTheSameOnEveryMachine) {
   if (!kIsDouble) return;
-  constexpr std::array<std::uint64_t, 6> kGolden{17569263559325015521U, 1237929460256438020U, 16216011771432384386U,
-                                                 15969488155605598420U, 6230358856317651574U, 3816802312408734130U};
+  constexpr std::array<std::uint64_t, 6> kGolden{1749117993064678856U,  4837145965791419982U,  12734504070471516189U,
+                                                 11327356896918585789U, 13651716626770637610U, 2562444156139992077U};
   for (std::size_t seed = 0; seed < kGolden.size(); ++seed) {
     RandomFlight flight(seed);
     if (seed == 2) flight.request.limits.norm = LimitNorm::kEuclidean;
