@@ -9,6 +9,6 @@ inline constexpr BoardMemory kBoardMemory{.map_bytes = 1U << 31, .planner_bytes 
 
 /// Units of work (trajectory_generator.hpp) that this board does in a microsecond: budgets given in time are converted
 /// by it, and by nothing else.
-inline constexpr double kWorkPerMicrosecond = 8.0;
+inline constexpr double kWorkPerMicrosecond = 10.0;
 
 }  // namespace swiftlet::inline linux_x86_64
