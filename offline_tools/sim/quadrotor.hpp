@@ -8,8 +8,6 @@ namespace swiftlet::tools {
 
 using Quaternion = Eigen::Quaternion<double>;
 
-inline constexpr double kGravity = 9.80665;  ///< [m/s^2]
-
 /// The simulated vehicle. The defaults are those of the simulator built into PX4 ("sihsim_quadx"), with the drag that
 /// the autopilot's own tracking was measured at.
 struct VehicleModel {

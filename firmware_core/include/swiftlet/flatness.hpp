@@ -10,8 +10,6 @@ namespace swiftlet {
 using Matrix3 = Eigen::Matrix<Real, 3, 3>;
 using Quaternion = Eigen::Quaternion<Real>;  ///< unit; constructor order w, x, y, z
 
-inline constexpr Real kGravity = Real(9.80665);  ///< [m/s^2]
-
 /// What a quadrotor's motion is given by, with derivatives, in frame W: [m/s^2] [m/s^3] [rad] [rad/s]. (Position and
 /// velocity do not enter attitude, thrust or rates without a model of drag.)
 struct FlatOutputs {

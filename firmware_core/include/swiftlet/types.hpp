@@ -16,6 +16,9 @@ using Real = double;
 
 using Vector3 = Eigen::Matrix<Real, 3, 1>;
 
+/// Standard gravity [m/s^2].
+inline constexpr Real kGravity = Real(9.80665);
+
 /// Axis-aligned closed box in frame W (ENU) [m]; lo <= hi on every axis, equality where it is thin.
 struct Box {
   Vector3 lo;
