@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "swiftlet/hal/console.hpp"
@@ -16,5 +17,8 @@ std::span<const std::byte> map_region(const char* path);
 
 /// The most stack that was ever in use [byte]; 0 on a board that cannot tell.
 std::size_t stack_bytes_used();
+
+/// Instructions executed since an arbitrary start; 0 on a board that cannot tell.
+std::uint64_t instructions_executed();
 
 }  // namespace swiftlet::board

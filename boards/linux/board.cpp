@@ -33,4 +33,6 @@ std::span<const std::byte> map_region(const char* path) {
 
 std::size_t stack_bytes_used() { return 0; }
 
+std::uint64_t instructions_executed() { return 0; }
+
 }  // namespace swiftlet::board

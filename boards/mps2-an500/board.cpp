@@ -21,11 +21,17 @@ constexpr std::uintptr_t kTimer0 = 0x40000000;
 constexpr std::uintptr_t kUart0 = 0x40004000;
 constexpr std::uintptr_t kUart1 = 0x40005000;
 constexpr std::uint32_t kPeripheralHz = 25'000'000;
-constexpr std::uint32_t kUart1Lines = 0b1100;  // interrupt 2 receives, 3 transmits
+constexpr std::uint32_t kInstructionsPerTick = 1'000'000'000 / kPeripheralHz;  // one a nanosecond: toolchain.cmake
+constexpr std::uint32_t kUart1Lines = 0b1100;                                  // interrupt 2 receives, 3 transmits
 
 hal::CmsdkUart& uart1() {
   static hal::CmsdkUart uart(kUart1, kPeripheralHz, 921'600);
   return uart;
+}
+
+hal::CmsdkClock& timer0() {
+  static hal::CmsdkClock timer(kTimer0, kPeripheralHz);
+  return timer;
 }
 
 static_assert(sizeof(PlannerStorage<kBoard>) <= kBoardMemory.planner_bytes);
@@ -43,10 +49,9 @@ std::span<const std::byte> map_region(const char* /*path*/) {
   return region;
 }
 
-hal::Clock& clock() {
-  static hal::CmsdkClock timer(kTimer0, kPeripheralHz);
-  return timer;
-}
+hal::Clock& clock() { return timer0(); }
+
+std::uint64_t instructions_executed() { return timer0().ticks() * kInstructionsPerTick; }
 
 hal::Uart& autopilot_uart() {
   hal::CmsdkUart& uart = uart1();

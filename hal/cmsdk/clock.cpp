@@ -22,11 +22,15 @@ CmsdkClock::CmsdkClock(std::uintptr_t base, std::uint32_t clock_hz)
   registers_[kControl] = kEnable;
 }
 
-std::chrono::microseconds CmsdkClock::now() {
+std::uint64_t CmsdkClock::ticks() {
   const std::uint32_t counted = kWholeRange - registers_[kValue];  // it counts down
   ticks_ += counted - latest_;                                     // modulo 2^32
   latest_ = counted;
-  return std::chrono::microseconds(static_cast<std::int64_t>(ticks_ / ticks_per_microsecond_));
+  return ticks_;
+}
+
+std::chrono::microseconds CmsdkClock::now() {
+  return std::chrono::microseconds(static_cast<std::int64_t>(ticks() / ticks_per_microsecond_));
 }
 
 }  // namespace swiftlet::hal

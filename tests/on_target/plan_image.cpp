@@ -1,10 +1,10 @@
-// Plans once on the board and prints the answer bit by bit, for compare_plan.py.
+// Answers requests on the board and prints the answers bit by bit, for compare_plan.py.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
 #include <cstring>
-#include <optional>
+#include <span>
 #include <string_view>
 
 #include "board.hpp"
@@ -45,36 +45,35 @@ void print_segment(const swiftlet::Segment& segment) {
   print("\n");
 }
 
-void print_stack() {
+void print_count(std::string_view name, std::uint64_t count) {
   std::array<char, 20> digits{};
-  const auto end = std::to_chars(digits.begin(), digits.end(), swiftlet::board::stack_bytes_used());
-  print("stack ");
+  const auto end = std::to_chars(digits.begin(), digits.end(), count);
+  print(name);
   print({digits.data(), static_cast<std::size_t>(end.ptr - digits.data())});
+}
+
+void print_plan(const swiftlet::Plan& plan) {
+  print("status ");
+  print(swiftlet::describe(plan.status));
   print("\n");
+  for (const swiftlet::Box& box : plan.boxes) print_box("box", box);
+  for (const swiftlet::Box& gate : plan.gates) print_box("gate", gate);
+  for (const swiftlet::Segment& segment : plan.segments) print_segment(segment);
 }
 
-std::optional<Real> parse_bits(std::string_view digits) {
-  std::uint64_t bits = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), bits, 16);
-  if (error != std::errc() || digits.size() != 16 || end != digits.data() + digits.size()) return {};
-  return static_cast<Real>(std::bit_cast<double>(bits));
-}
-
-/// Start, goal, v_max, a_max: eight numbers as their bits.
-std::optional<swiftlet::PlanRequest> parse_request(std::span<char* const> words) {
-  std::array<Real, 8> numbers{};
-  if (words.size() != numbers.size()) return {};
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::optional<Real> number = parse_bits(words[i]);
-    if (!number) return {};
-    numbers[i] = *number;
-  }
-  swiftlet::PlanRequest request;
-  request.start.position = {numbers[0], numbers[1], numbers[2]};
-  request.goal.position = {numbers[3], numbers[4], numbers[5]};
-  request.v_max = numbers[6];
-  request.a_max = numbers[7];
-  return request;
+/// Plans, and prints the answer with what each stage took: the search stage is all of find_corridor (checks, location,
+/// A*, corridor, taut path), the trajectory stage all of fit_trajectory (durations, QP, refinement, certificate).
+void answer(swiftlet::Planner& planner, const swiftlet::BoxGraphView& graph, const swiftlet::PlanRequest& request) {
+  const std::uint64_t begin = swiftlet::board::instructions_executed();
+  const bool found = planner.find_corridor(graph, request) == swiftlet::Status::kOk;
+  const std::uint64_t searched = swiftlet::board::instructions_executed();
+  if (found) (void)planner.fit_trajectory(request);
+  const std::uint64_t fitted = swiftlet::board::instructions_executed();
+  print_plan(planner.result());
+  print_count("counts ", planner.result().search.expanded);
+  print_count(" ", searched - begin);
+  print_count(" ", fitted - searched);
+  print("\n");
 }
 
 /// The region without what follows the blob; all of it when its header does not say.
@@ -85,30 +84,48 @@ std::span<const std::byte> trim_to_blob(std::span<const std::byte> region) {
   return region.first(std::min<std::size_t>(region.size(), header.blob_bytes));
 }
 
+/// Start, goal, v_max, a_max, as compare_plan.py writes them behind the blob.
+using Row = std::array<double, 8>;
+
+swiftlet::PlanRequest read_request(std::span<const std::byte> bytes) {
+  Row row{};
+  std::memcpy(row.data(), bytes.data(), sizeof row);
+  swiftlet::PlanRequest request;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto index = static_cast<Eigen::Index>(axis);
+    request.start.position[index] = static_cast<Real>(row[axis]);
+    request.goal.position[index] = static_cast<Real>(row[3 + axis]);
+  }
+  request.v_max = static_cast<Real>(row[6]);
+  request.a_max = static_cast<Real>(row[7]);
+  return request;
+}
+
 }  // namespace
 
-/// Usage: plan_image MAP START GOAL V_MAX A_MAX, as `parse_request` wants the numbers.
+/// Usage: plan_image MAP: a blob, then the number of requests as a double and their rows.
 int main(int argc, char** argv) {
-  const std::span<char* const> words(argv, static_cast<std::size_t>(argc));
-  if (words.size() < 2) return 2;
-  const std::optional<swiftlet::PlanRequest> request = parse_request(words.subspan(2));
-  if (!request) return 2;
-  const swiftlet::Result<swiftlet::BoxGraphView> graph =
-      swiftlet::BoxGraphView::open(trim_to_blob(swiftlet::board::map_region(words[1])));
+  if (argc != 2) return 2;
+  const std::span<const std::byte> region = swiftlet::board::map_region(argv[1]);
+  const std::span<const std::byte> blob = trim_to_blob(region);
+  const swiftlet::Result<swiftlet::BoxGraphView> graph = swiftlet::BoxGraphView::open(blob);
   if (!graph.ok()) {
     print(swiftlet::describe(graph.status()));
     print("\n");
     return 3;
   }
 
+  std::span<const std::byte> rest = region.subspan(blob.size());
+  double count = 0;
+  if (rest.size() < sizeof count) return 2;
+  std::memcpy(&count, rest.data(), sizeof count);
+  rest = rest.subspan(sizeof count);
+  if (!(count >= 1 && count * sizeof(Row) <= static_cast<double>(rest.size()))) return 2;
   swiftlet::Planner planner(storage.spans());
-  const swiftlet::Plan& plan = planner.plan(*graph, *request);
-  print("status ");
-  print(swiftlet::describe(plan.status));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    answer(planner, *graph, read_request(rest.subspan(i * sizeof(Row))));
+  }
+  print_count("stack ", swiftlet::board::stack_bytes_used());
   print("\n");
-  for (const swiftlet::Box& box : plan.boxes) print_box("box", box);
-  for (const swiftlet::Box& gate : plan.gates) print_box("gate", gate);
-  for (const swiftlet::Segment& segment : plan.segments) print_segment(segment);
-  print_stack();
   return 0;
 }
