@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
   std::memcpy(&count, rest.data(), sizeof count);
   rest = rest.subspan(sizeof count);
   if (!(count >= 1 && count * sizeof(Row) <= static_cast<double>(rest.size()))) return 2;
-  swiftlet::Planner planner(storage.spans());
+  static swiftlet::Planner planner(storage.spans());  // outlives every plan, as on a vehicle: no part of a plan's stack
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     answer(planner, *graph, read_request(rest.subspan(i * sizeof(Row))));
   }
