@@ -70,7 +70,8 @@ void answer(swiftlet::Planner& planner, const swiftlet::BoxGraphView& graph, con
   if (found) (void)planner.fit_trajectory(request);
   const std::uint64_t fitted = swiftlet::board::instructions_executed();
   print_plan(planner.result());
-  print_count("counts ", planner.result().search.expanded);
+  print_count("counts ", planner.result().search.reached);
+  print_count(" ", planner.result().search.expanded);
   print_count(" ", searched - begin);
   print_count(" ", fitted - searched);
   print("\n");
