@@ -5,8 +5,8 @@
 
 namespace swiftlet::hal {
 
-/// An Arm CMSDK APB timer, counting freely. Call `now` or `ticks` at least once in 2^32 ticks (171 s at 25 MHz), and never from an
-/// interrupt.
+/// An Arm CMSDK APB timer, counting freely. Call `now` or `ticks` at least once in 2^32 ticks (171 s at 25 MHz), and
+/// never from an interrupt.
 class CmsdkClock final : public Clock {
  public:
   /// `base` is the address of the first register; `clock_hz`, the timer's clock, is a multiple of 1 MHz. Starts it.
