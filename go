@@ -10,7 +10,7 @@ program=build/host-release/offline_tools/cli/swiftlet
 host_packages=(g++ cmake ninja-build libeigen3-dev liboctomap-dev libcli11-dev nlohmann-json3-dev libexpected-dev
   libssl-dev libbenchmark-dev googletest ca-certificates python3 python3-venv)
 cross_packages=(gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib g++-aarch64-linux-gnu
-  qemu-system-arm qemu-user clang-format-14 clang-tidy-14)
+  qemu-system-arm qemu-user clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev)
 
 # install PACKAGE...: installs those that are missing when root, otherwise prints the command and fails.
 install() {
@@ -133,6 +133,28 @@ bench() {
   if ((found == 0)); then echo "There are no benchmarks yet."; fi
 }
 
+# fuzz [SECONDS]: the readers of maps, octrees, clouds and MAVLink, with libFuzzer and sanitizers, two at a time.
+fuzz() {
+  local seconds=${1:-60} pid pids=()
+  if [[ ! -f build/fuzz/build.ninja ]]; then
+    cmake -B build/fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++-14 -DCMAKE_C_COMPILER=clang-14 -DCMAKE_BUILD_TYPE=Release \
+      -DCMAKE_CXX_FLAGS="-g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all"
+  fi
+  cmake --build build/fuzz -j "$jobs" --target map_blob_fuzz mavlink_fuzz octree_fuzz point_cloud_fuzz
+  mkdir -p out/corpus
+  local pair reader
+  for pair in "map_blob:fuzz_map mavlink:fuzz_mavlink" "octree:fuzz_octree point_cloud:fuzz_cloud"; do
+    for reader in $pair; do
+      mkdir -p "out/corpus/${reader%:*}"
+      "build/fuzz/tests/fuzz/${reader%:*}_fuzz" -max_total_time="$seconds" -print_final_stats=1 -verbosity=0 -artifact_prefix=out/ \
+        "out/corpus/${reader%:*}" "tests/data/${reader#*:}" &
+      pids+=($!)
+    done
+    for pid in "${pids[@]}"; do wait "$pid"; done
+    pids=()
+  done
+}
+
 # The property tests with 50 times the cases of host-release.
 soak() {
   cmake --preset host-release -B build/soak -DSWIFTLET_PROPERTY_RUNS=100000 -DSWIFTLET_TEST_SECONDS=86400
@@ -149,6 +171,7 @@ usage() {
 ./go demo            plan through a scanned building and write a page to look at
 ./go run ARGS        the release build of the program swiftlet
 ./go bench [ARGS]    the benchmarks
+./go fuzz [SECONDS]  the readers under a fuzzer
 ./go soak            the property tests at length
 TEXT
 }
@@ -166,6 +189,7 @@ run)
   exec "$program" "$@"
   ;;
 bench) bench "$@" ;;
+fuzz) fuzz "$@" ;;
 soak) soak ;;
 '') usage ;;
 *)

@@ -161,7 +161,7 @@ inline void reduce_and_carry_over(Rows& rows) {
 }
 
 /// The row that holds a junction near the middle of its gate.
-Row hold_row(const AxisProblem& problem, std::size_t junction) {
+[[maybe_unused]] Row hold_row(const AxisProblem& problem, std::size_t junction) {
   Real stiffness = 0;  // of a position between segments: 720 / T^5 each
   for (const std::size_t segment : {junction, junction + 1}) {
     const Real T = problem.durations[segment];

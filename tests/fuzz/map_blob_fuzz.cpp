@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include "map/map_report.hpp"
 #include "map/obstacles.hpp"
 #include "swiftlet/box_graph_view.hpp"
+#include "swiftlet/corridor_search.hpp"
 
 namespace {
 
@@ -22,6 +24,32 @@ void require(bool promise) {
   if (!promise) std::abort();
 }
 
+void use_landmarks(const BoxGraphView& view, CellIndex cell, CellIndex neighbour) {
+  const swiftlet::LandmarkRow row = view.landmarks(cell, neighbour);
+  const swiftlet::LandmarkRow same = view.landmarks(neighbour, cell);
+  for (std::size_t k = 0; k < view.header().landmark_count; ++k) require(row[k] == same[k]);
+}
+
+/// A search that landmark distances of any kind must not hold up.
+void search(const BoxGraphView& view) {
+  constexpr std::size_t kNodes = 64;
+  std::array<swiftlet::SearchNode, kNodes> nodes{};
+  std::array<swiftlet::OpenEntry, kNodes> open{};
+  std::array<std::uint32_t, 2 * kNodes> hash{};
+  std::array<CellIndex, kNodes> path{};
+  const auto first = static_cast<CellIndex>(0);
+  const auto last = static_cast<CellIndex>(view.cell_count() - 1);
+  const Vector3 start = view.to_world(view.cell(first)).lo;
+  const Vector3 goal = view.to_world(view.cell(last)).hi;
+  for (const auto mode : {swiftlet::SearchMode::kDefault, swiftlet::SearchMode::kLandmarks}) {
+    std::size_t length = 0;
+    swiftlet::SearchReport report;
+    (void)swiftlet::find_cell_path(view, first, start, last, goal, {.mode = mode}, {nodes, open, hash}, path, length,
+                                   report);
+    require(report.expanded <= kNodes && length <= kNodes);
+  }
+}
+
 /// Uses every part of a blob that was accepted; the sanitizers see any step outside it.
 void use(const BoxGraphView& view) {
   for (std::size_t i = 0; i < view.cell_count(); ++i) {
@@ -29,6 +57,7 @@ void use(const BoxGraphView& view) {
     std::size_t count = 0;
     for (const CellIndex neighbour : view.neighbours(cell)) {
       require(view.component(neighbour) == view.component(cell));
+      if (view.has_landmarks(view.component(cell))) use_landmarks(view, cell, neighbour);
       ++count;
     }
     require(count == view.neighbours(cell).size());
@@ -38,6 +67,7 @@ void use(const BoxGraphView& view) {
     require(view.covered_volume(view.cell(cell)) > 0);
     require(view.nearest_free(2 * box.lo - box.hi).has_value());
   }
+  if (view.cell_count() > 0) search(view);
   (void)swiftlet::tools::obstacle_boxes(view);
   (void)swiftlet::tools::map_info(view);
 }
