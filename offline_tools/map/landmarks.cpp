@@ -141,7 +141,7 @@ std::uint32_t farthest_window(const CentreGraph& graph, const Candidates& candid
   if (candidates.windows.empty()) return farthest(graph.distances_from(0));
   Distances nearest(graph.size(), kInfinity);
   for (const std::vector<float>& distance : candidates.distances) {
-    for (std::size_t i = 0; i < graph.size(); ++i) nearest[i] = std::min(nearest[i], double{distance[i]});
+    for (std::size_t i = 0; i < graph.size(); ++i) nearest[i] = std::min(nearest[i], static_cast<double>(distance[i]));
   }
   return farthest(nearest);
 }
@@ -157,7 +157,7 @@ std::uint32_t badly_bounded_window(const CentreGraph& graph, const Candidates& c
   for (std::size_t i = 0; i < graph.size(); ++i) {
     float bound = 0;
     for (std::size_t k = 0; k < candidates.windows.size(); ++k) bound = std::max(bound, candidates.bound(k, i, root));
-    gap[i] = std::max(distance[i] - double{bound}, 0.0);
+    gap[i] = std::max(distance[i] - static_cast<double>(bound), 0.0);
   }
   for (std::size_t i = graph.size(); i-- > 1;) {  // the root comes first
     const std::uint32_t window = tree.order[i];
@@ -209,7 +209,7 @@ std::vector<std::uint32_t> best_of(const Candidates& candidates, std::size_t win
       if (std::find(chosen.begin(), chosen.end(), candidates.windows[i]) != chosen.end()) continue;
       double gain = 0;
       for (std::size_t p = 0; p < pairs.size(); ++p) {
-        gain += double{std::max(candidates.bound(i, pairs[p].first, pairs[p].second) - best[p], 0.0F)};
+        gain += static_cast<double>(std::max(candidates.bound(i, pairs[p].first, pairs[p].second) - best[p], 0.0F));
       }
       if (gain <= most) continue;
       most = gain;

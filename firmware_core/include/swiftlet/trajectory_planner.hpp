@@ -20,7 +20,7 @@ namespace swiftlet {
 /// same bits everywhere. A caller with a clock converts by its board's constant (board_config.hpp).
 struct WorkBudget {
   /// For the refinement of times; 0 leaves the paper's implicit adjustment alone.
-  std::uint64_t refinement = 20'000;
+  std::uint64_t refinement = 60'000;
   /// For everything before the certificate. Used up, the answer is the best one so far, the stop at every gate if
   /// there is no better.
   std::uint64_t deadline = std::numeric_limits<std::uint64_t>::max();
