@@ -138,5 +138,24 @@ TEST(MapAudit, PassesTheRealScansAtTheRadiusOfTheirQueries) {
   EXPECT_EQ(report.defects, 0U) << first_finding(report);
 }
 
+TEST(MapAudit, EverySingleFlippedBitOfARealMapIsRefused) {
+  const std::string maps = std::string(SWIFTLET_SOURCE_DIR) + "/../shared/maps/";
+  const auto map = read_octree(maps + "geb079/geb079.bt");
+  if (!map) GTEST_SKIP() << map.error().message;
+  MapBuildOptions options;
+  options.radius = 0.3;
+  BuiltMap built = build(*map, options);
+  std::mt19937 random(1);
+  for (int flip = 0; flip < 5 * test::kPropertyRuns; ++flip) {  // 10,000 in host-release
+    const std::size_t bit = std::uniform_int_distribution<std::size_t>(0, 8 * built.blob.size() - 1)(random);
+    std::byte& byte = built.blob[bit / 8];
+    const auto mask = static_cast<std::byte>(1U << (bit % 8));
+    byte ^= mask;
+    ASSERT_FALSE(BoxGraphView::open(built.blob).ok()) << "bit " << bit;
+    byte ^= mask;
+  }
+  EXPECT_TRUE(BoxGraphView::open(built.blob).ok());
+}
+
 }  // namespace
 }  // namespace swiftlet::tools
