@@ -111,11 +111,10 @@ bool lengths_usable(const BlobHeader& header) {
 }
 
 bool landmarks_usable(const BlobHeader& header) {
-  constexpr std::uint32_t kMaxLandmarks = 32;
   constexpr std::uint32_t kMaxLandmarkShift = 16;
   if (header.search_points > static_cast<std::uint32_t>(SearchPoints::kCentres)) return false;
   if (header.landmark_count == 0) return header.landmark_shift == 0;
-  return header.landmark_count <= kMaxLandmarks && header.landmark_shift >= 1 &&
+  return header.landmark_count <= kMostLandmarks && header.landmark_shift >= 1 &&
          header.landmark_shift <= kMaxLandmarkShift;
 }
 
@@ -256,7 +255,7 @@ bool BoxGraphView::records_consistent() const {
     std::uint32_t count = 0;
     if (!read_checked(at, end, count)) return false;
     neighbour_count += count;
-    std::size_t higher = 0;  // neighbours of a higher index
+    std::uint64_t higher = 0;  // neighbours of a higher index
     auto other = static_cast<std::int64_t>(i);
     for (std::uint32_t k = 0; k < count; ++k) {  // ends with the section: every turn reads at least a byte
       std::uint32_t number = 0;
@@ -281,12 +280,12 @@ bool BoxGraphView::records_consistent() const {
       if (!read_checked(at, end, growth) || growth > room) return false;
     }
     if (!has_landmarks(component(own))) continue;
-    const std::size_t landmark_bytes = 2 * higher * header_->landmark_count;
-    if (landmark_bytes > static_cast<std::size_t>(end - at)) return false;
+    const std::uint64_t landmark_bytes = 2 * higher * header_->landmark_count;
+    if (landmark_bytes > static_cast<std::uint64_t>(end - at)) return false;
     at += landmark_bytes;
   }
-  // Rows hold each neighbour once, so equal sums mean that i knows j exactly when j knows i. A forged blob may get past
-  // this with much work; what it wins is a search that cannot go back the way it came.
+  // Rows hold each neighbour once, so equal sums mean that i knows j exactly when j knows i, unless somebody has forged
+  // the rows for it; what that wins is a search that cannot go back the way it came.
   return at == end && neighbour_count == header_->neighbour_count && pairs_upward == pairs_downward;
 }
 
@@ -348,6 +347,8 @@ LandmarkRow BoxGraphView::landmarks(CellIndex a, CellIndex b) const {
   const NeighbourRange row = neighbours(low);
   NeighbourRange::Iterator at = row.begin();
   while (at.remaining() > 1 && *at != high) ++at;
+  // Of forged rows, one may be empty: any bytes of the blob do, and behind the header there are always that many.
+  if (row.empty()) return LandmarkRow(record_end(low) - 2 * std::size_t{header_->landmark_count});
   return landmarks(low, at);
 }
 

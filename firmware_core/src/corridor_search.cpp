@@ -14,9 +14,10 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kClosed = kNone;
-constexpr Real kMaxWeight = Real(1e6);         // by then the search is greedy; more would only overflow
-constexpr std::size_t kFirstTableSize = 1024;  // of the hash, which grows with the nodes
-constexpr std::size_t kMaxLandmarks = 32;      // as the reader lets pass
+constexpr Real kMaxWeight = Real(1e6);       // by then the search is greedy; more would only overflow
+constexpr std::size_t kFirstTableSize = 64;  // of the hash, which grows with the nodes
+// A stored distance and that of the goal are rounded by half a step each; the rest is for float.
+constexpr float kRounding = 1.02F;
 
 /// A point in units relative to the map origin. Coordinates of a map are 16-bit integers, so float holds them, their
 /// halves and their differences exactly; and it makes the search the same in float and double builds.
@@ -85,19 +86,18 @@ class LandmarkBound {
       const IntBox window = intersection(graph.cell(goal_cell), graph.cell(neighbour));
       const float leg = distance(centres.of(window), goal);
       for (std::size_t k = 0; k < count_; ++k) {
-        if (row[k] != kNoDistance) to_goal_[k] = std::min(to_goal_[k], leg + step_ * static_cast<float>(row[k]));
+        to_goal_[k] = std::min(to_goal_[k], leg + step_ * static_cast<float>(row[k]));
       }
     }
   }
 
-  /// [unit] no way from the window to the goal is shorter. Both distances are rounded, by half a step each.
+  /// [unit] no way from the window to the goal is shorter; infinite when no window leads to the goal.
   [[nodiscard]] float of(const LandmarkRow& row) const {
     float largest = 0;
     for (std::size_t k = 0; k < count_; ++k) {
-      if (row[k] == kNoDistance || to_goal_[k] == std::numeric_limits<float>::infinity()) continue;
       largest = std::max(largest, std::fabs(step_ * static_cast<float>(row[k]) - to_goal_[k]));
     }
-    return std::max(largest - step_, 0.0F);
+    return std::max(largest - kRounding * step_, 0.0F);
   }
 
   [[nodiscard]] bool is_used() const { return count_ > 0; }
@@ -105,7 +105,7 @@ class LandmarkBound {
  private:
   std::size_t count_;
   float step_ = 0;
-  std::array<float, kMaxLandmarks> to_goal_{};
+  std::array<float, kMostLandmarks> to_goal_{};
 };
 
 // -------------------------------------------------------------------------------------------------------- open list
@@ -231,6 +231,11 @@ bool uses_centres(const BoxGraphView& graph, CellIndex start_cell, SearchMode mo
          graph.has_landmarks(graph.component(start_cell));
 }
 
+bool uses_landmarks(const BoxGraphView& graph, CellIndex start_cell, SearchMode mode) {
+  return mode != SearchMode::kPlain && uses_centres(graph, start_cell, mode) &&
+         graph.has_landmarks(graph.component(start_cell));
+}
+
 class Search {
  public:
   Search(const BoxGraphView& graph, CellIndex start_cell, const Vector3& start, CellIndex goal_cell,
@@ -242,10 +247,7 @@ class Search {
         goal_(to_units(goal)),
         weight_(static_cast<float>(options.weight)),
         representative_(uses_centres(graph, start_cell, options.mode), start_, goal_),
-        bound_(graph,
-               options.mode != SearchMode::kPlain && uses_centres(graph, start_cell, options.mode) &&
-                   graph.has_landmarks(graph.component(start_cell)),
-               goal_cell, goal_, representative_),
+        bound_(graph, uses_landmarks(graph, start_cell, options.mode), goal_cell, goal_, representative_),
         nodes_(scratch, start_cell_),
         open_(scratch.open, scratch.nodes) {}
 
@@ -312,7 +314,10 @@ class Search {
     const Point point =
         at_start ? start_ : representative_.of(intersection(graph_.cell(static_cast<CellIndex>(near)), cell));
 
-    if (here == goal_cell_) relax_goal(node, cost + distance(point, goal_));
+    if (here == goal_cell_) {  // a cell is convex: no way out of it leads back at less cost
+      relax_goal(node, cost + distance(point, goal_));
+      return Status::kOk;
+    }
     if (graph_.blocked() != nullptr) return expand_pieces(node, near, here, point, cost);
     const NeighbourRange neighbours = graph_.neighbours(static_cast<CellIndex>(here));
     for (NeighbourRange::Iterator at = neighbours.begin(); at != neighbours.end(); ++at) {
@@ -361,7 +366,10 @@ class Search {
     if (known != kNone && cost >= nodes_[known].cost) return true;
     const float priority = cost + weight_ * heuristic();
     if (priority >= goal_cost_) return true;  // no part of a shorter way
-    if (known == kNone || nodes_[known].position == kClosed) {
+    const bool closed = known != kNone && nodes_[known].position == kClosed;
+    // The straight line never drops by more than the way, so what is expanded stays, whatever the weight.
+    if (closed && !bound_.is_used()) return true;
+    if (known == kNone || closed) {
       // A window that was expanded gets a second node: the first one stays, as its children's way back.
       if (nodes_.full()) return false;
       open_.push({priority, nodes_.add({to, parent, 0, cost})});

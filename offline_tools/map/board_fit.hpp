@@ -12,8 +12,9 @@ struct BoardFit {
   std::string name;  ///< its folder below boards/
   BoardMemory memory{};
   Capacity capacity{};
-  bool holds_map = false;   ///< the blob fits into its map region
-  double search_share = 0;  ///< share of the map's windows that one search may reach, 0 to 1; 1 never runs out
+  bool holds_map = false;  ///< the blob fits into its map region
+  double search_share =
+      0;  ///< share of the map's windows that one search may reach, 0 to 1; 1 is a node for each window
 };
 
 /// Every board, in the order of their names.

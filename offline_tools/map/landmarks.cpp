@@ -265,7 +265,7 @@ struct Route {
   std::uint32_t expanded = 0;
 };
 
-/// Storage of a search and a corridor that nothing overflows.
+/// Storage of a search and a corridor of usual size for the map.
 class RoomyCorridor {
  public:
   explicit RoomyCorridor(const BoxGraphView& view)
@@ -330,8 +330,9 @@ LandmarkTable choose_landmarks(const std::vector<GridBox>& cells,
   }
 
   constexpr std::uint32_t kMostShift = 16;
+  constexpr double kLongest = 65'534;  // of a distance in steps
   LandmarkTable table;
-  while (table.shift < kMostShift && std::ldexp(longest, static_cast<int>(table.shift) + 1) < kNoDistance - 1) {
+  while (table.shift < kMostShift && std::ldexp(longest, static_cast<int>(table.shift) + 1) < kLongest) {
     ++table.shift;
   }
   if (distances.empty() || table.shift == 0) return {};

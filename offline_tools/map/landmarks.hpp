@@ -21,18 +21,16 @@ struct LandmarkTable {
   std::vector<std::uint16_t> distances;  ///< `count` for each window of component 0, in the order of the windows
 };
 
-inline constexpr std::uint32_t kMostLandmarks = 32;
-
 /// Chooses up to `count` landmarks: of 64 candidates, far from each other or behind what those before them bound badly,
 /// the ones that together bound the distances of random pairs of windows best. Fewer when the component has fewer
-/// windows, none when a distance passes what 16 bits hold. Deterministic.
+/// windows, none when a distance passes 32,767 units. Deterministic.
 ///   windows  pairs (i, j), i < j, of cells, sorted
 ///   labels   component of each cell; 0 is the largest
 LandmarkTable choose_landmarks(const std::vector<GridBox>& cells,
                                std::span<const std::pair<std::uint32_t, std::uint32_t>> windows,
                                const std::vector<std::uint16_t>& labels, std::uint32_t count);
 
-/// The landmarks whose table stays below 60 % of `blob_bytes`, the blob's size without them; at most 16.
+/// The landmarks whose table stays below 60 % of `blob_bytes`, the blob's size without them and obstacles; at most 16.
 std::uint32_t affordable_landmarks(std::size_t windows, std::size_t blob_bytes);
 
 /// Where the default search should see windows: at their centres, where landmarks help, when on 128 random pairs of

@@ -12,8 +12,8 @@ inline constexpr std::uint32_t kBlobByteOrderMark = 0x01020304;
 inline constexpr std::uint32_t kBlobVersion = 2;
 inline constexpr std::size_t kCellsPerIndexLeaf = 8;
 
-/// A landmark distance that says nothing.
-inline constexpr std::uint16_t kNoDistance = 0xFFFF;
+/// Most landmark distances of a window.
+inline constexpr std::size_t kMostLandmarks = 32;
 
 /// Where the default search sees a window (SearchMode); the builder measures which serves the map better.
 enum class SearchPoints : std::uint32_t { kLine = 0, kCentres = 1 };
@@ -65,7 +65,7 @@ struct BlobHeader {
   std::uint32_t neighbour_count;   ///< directed: twice the number of windows
   std::uint32_t index_node_count;  ///< 2 L - 1 with L = ceil(cell_count / kCellsPerIndexLeaf); 0 without cells
   std::uint32_t component_count;
-  std::uint32_t landmark_count;  ///< distances stored with each window of component 0, at most 32
+  std::uint32_t landmark_count;  ///< distances stored with each window of component 0, at most kMostLandmarks
   std::uint32_t landmark_shift;  ///< 1 to 16; 0 without landmarks
   std::uint32_t search_points;   ///< SearchPoints
   /// [unit^3] Known free space that the inflation blocks; space that policy `free` would leave free and this one does

@@ -57,8 +57,8 @@ class NeighbourRange {
   Iterator begin_;
 };
 
-/// The stored distances of one window from the landmarks of its component, over window centres; kNoDistance says
-/// nothing. Lives as long as the blob.
+/// The stored distances of one window from the landmarks of its component, over window centres. Lives as
+/// long as the blob.
 class LandmarkRow {
  public:
   explicit LandmarkRow(const std::byte* first) : first_(first) {}
