@@ -1,8 +1,10 @@
 #pragma once
 #include "swiftlet/storage.hpp"
 
+namespace swiftlet {
+
 /// A desktop or a companion PC, with 4 GiB of memory to spare.
-namespace swiftlet::inline linux_x86_64 {
+inline namespace linux_x86_64 {
 
 inline constexpr Capacity kBoard{.segments = 512, .search_nodes = 4'194'304};
 inline constexpr BoardMemory kBoardMemory{.map_bytes = 1U << 31, .planner_bytes = 1U << 31};
@@ -11,4 +13,6 @@ inline constexpr BoardMemory kBoardMemory{.map_bytes = 1U << 31, .planner_bytes 
 /// by it, and by nothing else.
 inline constexpr double kWorkPerMicrosecond = 10.0;
 
-}  // namespace swiftlet::inline linux_x86_64
+}  // namespace linux_x86_64
+
+}  // namespace swiftlet

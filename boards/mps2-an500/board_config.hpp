@@ -1,9 +1,11 @@
 #pragma once
 #include "swiftlet/storage.hpp"
 
+namespace swiftlet {
+
 /// A Cortex-M7 with 4 MiB of data memory, of which the stack and other data take less than a quarter, and the map in
 /// 16 MiB of PSRAM (linker.ld).
-namespace swiftlet::inline mps2_an500 {
+inline namespace mps2_an500 {
 
 inline constexpr Capacity kBoard{.segments = 128, .search_nodes = 16'384};
 inline constexpr BoardMemory kBoardMemory{.map_bytes = 16U << 20, .planner_bytes = 3U << 20};
@@ -12,4 +14,6 @@ inline constexpr BoardMemory kBoardMemory{.map_bytes = 16U << 20, .planner_bytes
 /// by it, and by nothing else.
 inline constexpr double kWorkPerMicrosecond = 0.2;
 
-}  // namespace swiftlet::inline mps2_an500
+}  // namespace mps2_an500
+
+}  // namespace swiftlet

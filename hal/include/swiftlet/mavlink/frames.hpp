@@ -53,7 +53,7 @@ class Alignment {
   Alignment(const Vector3& p_L, Real yaw_L, const Vector3& p_W, Real yaw_W);
 
   [[nodiscard]] const Vector3& offset() const { return origin_; }  ///< L's origin in W [m].
-  [[nodiscard]] Real yaw() const { return yaw_; }             ///< [rad]
+  [[nodiscard]] Real yaw() const { return yaw_; }                  ///< [rad]
 
   [[nodiscard]] Vector3 point_to_map(const Vector3& p_L) const { return origin_ + vector_to_map(p_L); }
   [[nodiscard]] Vector3 point_to_local(const Vector3& p_W) const { return vector_to_local(p_W - origin_); }
