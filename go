@@ -133,26 +133,21 @@ bench() {
   if ((found == 0)); then echo "There are no benchmarks yet."; fi
 }
 
-# fuzz [SECONDS]: the readers of maps, octrees, clouds and MAVLink, with libFuzzer and sanitizers, two at a time.
+# fuzz [SECONDS]: the readers of maps, octrees, clouds and MAVLink side by side, with libFuzzer and sanitizers.
 fuzz() {
-  local seconds=${1:-60} pid pids=()
+  local seconds=${1:-60} reader pid pids=()
   if [[ ! -f build/fuzz/build.ninja ]]; then
     cmake -B build/fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++-14 -DCMAKE_C_COMPILER=clang-14 -DCMAKE_BUILD_TYPE=Release \
       -DCMAKE_CXX_FLAGS="-g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all"
   fi
   cmake --build build/fuzz -j "$jobs" --target map_blob_fuzz mavlink_fuzz octree_fuzz point_cloud_fuzz
-  mkdir -p out/corpus
-  local pair reader
-  for pair in "map_blob:fuzz_map mavlink:fuzz_mavlink" "octree:fuzz_octree point_cloud:fuzz_cloud"; do
-    for reader in $pair; do
-      mkdir -p "out/corpus/${reader%:*}"
-      "build/fuzz/tests/fuzz/${reader%:*}_fuzz" -max_total_time="$seconds" -print_final_stats=1 -verbosity=0 -artifact_prefix=out/ \
-        "out/corpus/${reader%:*}" "tests/data/${reader#*:}" &
-      pids+=($!)
-    done
-    for pid in "${pids[@]}"; do wait "$pid"; done
-    pids=()
+  for reader in map_blob:map mavlink:mavlink octree:octree point_cloud:cloud; do
+    mkdir -p "out/corpus/${reader#*:}"
+    "build/fuzz/tests/fuzz/${reader%:*}_fuzz" -max_total_time="$seconds" -print_final_stats=1 -verbosity=0 \
+      -artifact_prefix=out/ "out/corpus/${reader#*:}" "tests/data/fuzz_${reader#*:}" &
+    pids+=($!)
   done
+  for pid in "${pids[@]}"; do wait "$pid"; done
 }
 
 # The property tests with 50 times the cases of host-release.
