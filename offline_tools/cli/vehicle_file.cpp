@@ -61,7 +61,7 @@ class VehicleReader : private JsonReader {
   void check_keys(const Json& json, const std::string& prefix, std::initializer_list<std::string_view> known) const {
     for (const auto& [key, value] : json.items()) {
       if (std::find(known.begin(), known.end(), key) == known.end())
-        refuse("'" + prefix + key + "' is not a known key");
+        refuse(std::string("'").append(prefix).append(key).append("' is not a known key"));
     }
   }
   double positive(const Json& json, const std::string& what) const {
