@@ -57,8 +57,8 @@ struct SearchReport {
 /// Optimal on the mode's graph for weight 1, to the rounding of float costs (1e-6 of the cost); ties break by index, so
 /// every machine returns the same path. Each node is expanded at most once, so a hostile map cannot hold the search up.
 /// Landmark distances are rounded, so their bound may drop by a step from one window to the next, and a window may be
-/// reached at less cost after it was expanded: then it takes a second node (seen: one window in five hundred). The time
-/// follows the windows reached, not the capacity.
+/// reached at less cost after it was expanded: then it takes a second node, which is rare. The time follows the windows
+/// reached, not the capacity.
 /// Errors: kNoPath, kSearchCapacity (node table full), kCorridorCapacity (`path` too short), kBadRequest (weight out of
 /// range).
 Status find_cell_path(const BoxGraphView& graph, CellIndex start_cell, const Vector3& start, CellIndex goal_cell,
