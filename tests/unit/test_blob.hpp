@@ -146,12 +146,12 @@ class TestBlob {
   /// Rows for the records, in the order of the windows.
   void find_landmark_distances(const std::array<std::uint16_t, kMaxCells>& labels) {
     const std::uint32_t landmarks = header_.landmark_count;
-    const std::size_t count = list_windows(labels, windows_);
-    const std::span<Window> windows = std::span(windows_).first(count);
+    const std::size_t count = list_windows(labels, scratch_windows);
+    const std::span<Window> windows = std::span(scratch_windows).first(count);
     for (std::uint32_t k = 0; k < landmarks && count > 0; ++k) {
       spread_from(k * count / landmarks, windows);
       for (std::size_t i = 0; i < count; ++i) {
-        landmark_distances_[landmarks * i + k] =
+        scratch_distances[landmarks * i + k] =
             lie_ && i % 2 == 1
                 ? *lie_
                 : static_cast<std::uint16_t>(std::lround(windows[i].distance * (1U << header_.landmark_shift)));
@@ -210,7 +210,7 @@ class TestBlob {
       }
       if (labels[i] != 0) continue;
       for (std::uint32_t n = 0; n < higher * header_.landmark_count; ++n) {
-        const std::uint16_t distance = landmark_distances_[landmark_numbers++];
+        const std::uint16_t distance = scratch_distances[landmark_numbers++];
         records_[record_bytes_++] = static_cast<std::byte>(distance & 0xFFU);
         records_[record_bytes_++] = static_cast<std::byte>(distance >> 8U);
       }
@@ -263,8 +263,8 @@ class TestBlob {
   static constexpr std::size_t kMaxWindows = kMaxCells * (kMaxCells - 1) / 2;
   static constexpr std::size_t kMaxLandmarks = 4;
   // Scratch of `write`, shared: a board's stack has to hold a few blobs.
-  static inline std::array<Window, kMaxWindows> windows_{};
-  static inline std::array<std::uint16_t, kMaxLandmarks * kMaxWindows> landmark_distances_{};
+  static inline std::array<Window, kMaxWindows> scratch_windows{};
+  static inline std::array<std::uint16_t, kMaxLandmarks * kMaxWindows> scratch_distances{};
   std::array<std::byte, 6144> records_{};  // at most 2 bytes a neighbour and 3 a growth here
   std::size_t record_bytes_ = 0;
   alignas(8) std::array<std::byte, kMaxBytes> bytes_{};
