@@ -7,9 +7,11 @@
 namespace swiftlet {
 namespace {
 
-// A new row counts as a combination of the active ones when less than this share of its squared length (in the metric
-// of P^-1) is its own.
-constexpr Real kDependentShare = std::numeric_limits<Real>::epsilon() * 512;
+// Below this share of its squared length (in the metric of P^-1) the part of a new row that the active ones do not span
+// is computed explicitly: the difference of squares has lost half its digits.
+constexpr Real kCancellingShare = sizeof(Real) == 8 ? Real(1e-8) : Real(1e-3);
+// Rounding of that part, relative to the row and to what is subtracted from it; a row with no more is dependent.
+constexpr Real kRemainderNoise = std::numeric_limits<Real>::epsilon() * 64;
 
 constexpr std::size_t packed(std::size_t row, std::size_t column) { return row * (row + 1) / 2 + column; }
 
@@ -23,29 +25,37 @@ void add_row(const QpRow& row, Real factor, std::span<Real> x) {
   for (std::size_t i = 0; i < entries(row, x.size()); ++i) x[first + i] += factor * row.coefficients[i];
 }
 
-/// x becomes D^-1 D^-T x.
-inline void apply_inverse_square(const std::array<Real, 6>& d, Real* x) {
-  const Real y0 = d[0] * x[0];
-  const Real y1 = d[1] * x[0] + d[3] * x[1];
-  const Real y2 = d[2] * x[0] + d[4] * x[1] + d[5] * x[2];
-  x[0] = d[0] * y0 + d[1] * y1 + d[2] * y2;
-  x[1] = d[3] * y1 + d[4] * y2;
-  x[2] = d[5] * y2;
+Real square(Real x) { return x * x; }
+
+void rotate(Real c, Real s, Real& left, Real& right) {
+  const Real turned = c * left + s * right;
+  right = c * right - s * left;
+  left = turned;
 }
 
-/// One step of U^-T, from block `x` to its inner neighbour, and of D^-1 D^-T on x, which is done then.
-inline void push_inwards(const FactorBlock& block, Real* x, Real* inner) {
-  const std::array<Real, 9>& e = block.coupling;
+/// D^-T x.
+inline std::array<Real, kBlockSize> apply_inverse(const std::array<Real, 6>& d, const Real* x) {
+  return {d[0] * x[0], d[1] * x[0] + d[3] * x[1], d[2] * x[0] + d[4] * x[1] + d[5] * x[2]};
+}
+
+/// x becomes D^-1 D^-T x.
+inline void apply_inverse_square(const std::array<Real, 6>& d, Real* x) {
+  const std::array<Real, kBlockSize> y = apply_inverse(d, x);
+  x[0] = d[0] * y[0] + d[1] * y[1] + d[2] * y[2];
+  x[1] = d[3] * y[1] + d[4] * y[2];
+  x[2] = d[5] * y[2];
+}
+
+/// One step of U^-T, from block `x` to its inner neighbour.
+inline void push_inwards(const std::array<Real, 9>& e, const Real* x, Real* inner) {
   // Grouped for the shortest chain of operations from x to inner.
   for (std::size_t j = 0; j < kBlockSize; ++j) {
     inner[j] = (inner[j] - e[j] * x[0]) - (e[3 + j] * x[1] + e[6 + j] * x[2]);
   }
-  apply_inverse_square(block.inverse_diagonal, x);
 }
 
 /// One step of U^-1, from the inner neighbour to block `x`.
-inline void pull_outwards(const FactorBlock& block, Real* x, const Real* inner) {
-  const std::array<Real, 9>& e = block.coupling;
+inline void pull_outwards(const std::array<Real, 9>& e, Real* x, const Real* inner) {
   for (std::size_t i = 0; i < kBlockSize; ++i) {
     x[i] = (x[i] - e[3 * i] * inner[0]) - (e[3 * i + 1] * inner[1] + e[3 * i + 2] * inner[2]);
   }
@@ -81,12 +91,14 @@ Status DualActiveSet::merge(std::size_t first, std::size_t second, const QpRow& 
   const Real weight = spans_.multipliers[first] + spans_.multipliers[second];
   drop(second);
   drop(first);
-  return finish(append(row, weight));
+  const Status status = append(row, weight);
+  if (status == Status::kOk) move_from_optimum();
+  return finish(status);
 }
 
 Status DualActiveSet::finish(Status status) {
   if (status == Status::kOk) status = settle();
-  if (status == Status::kOk) update_solution();
+  if (status == Status::kOk) move_by_work();
   return status;
 }
 
@@ -109,17 +121,15 @@ void DualActiveSet::push(const QpRow& row, Real multiplier) {
 /// Makes `row` active with a multiplier of at least `weight`. While it depends on the active rows, weight moves from
 /// them to it until one of them lets go; when none can, the rows contradict each other.
 Status DualActiveSet::append(const QpRow& row, Real weight) {
-  const std::span<Real> direction = spans_.target;
   while (true) {
     if (active_count_ == spans_.rows.size() || ++iterations_ > iteration_limit_) return Status::kIterationLimit;
     const Result<bool> independent = row_is_independent(row);
     if (!independent.ok()) return independent.status();
     if (*independent) break;
-    solve_gram_upper(direction);
     Real step = 0;
-    const std::size_t blocking = blocking_row(direction, step);
+    const std::size_t blocking = blocking_row(step);
     if (blocking == active_count_) return Status::kInfeasible;
-    for (std::size_t j = 0; j < active_count_; ++j) spans_.multipliers[j] -= step * direction[j];
+    for (std::size_t j = 0; j < active_count_; ++j) spans_.multipliers[j] -= step * spans_.direction[j];
     weight += step;
     drop(blocking);
   }
@@ -127,31 +137,69 @@ Status DualActiveSet::append(const QpRow& row, Real weight) {
   return Status::kOk;
 }
 
-/// Computes the new row of the Gram factor behind the active ones, and leaves L^-1 N' P^-1 n in `target`.
+/// Computes the new row of the Gram factor behind the active ones. Of a dependent row, leaves the combination of active
+/// rows that it is in `direction`.
 Result<bool> DualActiveSet::row_is_independent(const QpRow& row) {
+  const BlockRange own_blocks = blocks_of(row);
+  BlockRange wanted = own_blocks;
+  for (const QpRow& active : active_rows()) {
+    const BlockRange blocks = blocks_of(active);
+    wanted = {std::min(wanted.first, blocks.first), std::max(wanted.last, blocks.last)};
+  }
   std::fill(spans_.work.begin(), spans_.work.end(), Real(0));
   add_row(row, 1, spans_.work);
-  solve_hessian(spans_.work, row.block, std::min<std::size_t>(row.block + 1, block_count_ - 1));
+  solve_hessian(spans_.work, own_blocks, wanted);
   const Real own = row_value(row, spans_.work);
   for (std::size_t j = 0; j < active_count_; ++j) spans_.target[j] = row_value(spans_.rows[j], spans_.work);
   solve_gram_lower(spans_.target);
   Real rest = own;
-  for (std::size_t j = 0; j < active_count_; ++j) {
-    spans_.gram_factor[packed(active_count_, j)] = spans_.target[j];
-    rest -= spans_.target[j] * spans_.target[j];
-  }
+  for (std::size_t j = 0; j < active_count_; ++j) rest -= spans_.target[j] * spans_.target[j];
   if (!std::isfinite(rest)) return Status::kNumericalTrouble;
-  if (rest <= kDependentShare * own) return false;
-  spans_.gram_factor[packed(active_count_, active_count_)] = std::sqrt(rest);
+  if (rest <= kCancellingShare * own) rest = remainder_norm2(row, own);
+  if (!(rest > 0)) return false;
+  Real* last = &spans_.gram_factor[packed(active_count_, 0)];
+  for (std::size_t j = 0; j < active_count_; ++j) last[j] = spans_.target[j];
+  last[active_count_] = std::sqrt(rest);
   return true;
 }
 
+/// Squared length of the part of a row that the active ones do not span, n - N r, made explicit and once corrected; 0
+/// when it is no more than rounding. Corrects L^-1 N' P^-1 n in `target`, leaves r in `direction`.
+Real DualActiveSet::remainder_norm2(const QpRow& row, Real own) {
+  const BlockRange all{0, block_count_ - 1};
+  subtract_combination(row);
+  solve_hessian(spans_.work, all, all);
+  const std::span<Real> correction = spans_.direction;
+  for (std::size_t j = 0; j < active_count_; ++j) correction[j] = row_value(spans_.rows[j], spans_.work);
+  solve_gram_lower(correction);
+  for (std::size_t j = 0; j < active_count_; ++j) spans_.target[j] += correction[j];
+  subtract_combination(row);
+  Real scale2 = own;
+  for (std::size_t j = 0; j < active_count_; ++j) {
+    Real length2 = 0;
+    for (std::size_t k = 0; k <= j; ++k) length2 += square(spans_.gram_factor[packed(j, k)]);
+    scale2 += square(spans_.direction[j]) * length2;
+  }
+  const Real rest = inverse_norm2(spans_.work);
+  return rest > square(kRemainderNoise) * scale2 ? rest : Real(0);
+}
+
+/// direction = r = L^-T target, work = n - N r.
+void DualActiveSet::subtract_combination(const QpRow& row) {
+  const std::span<Real> direction = spans_.direction;
+  std::copy_n(spans_.target.begin(), active_count_, direction.begin());
+  solve_gram_upper(direction);
+  std::fill(spans_.work.begin(), spans_.work.end(), Real(0));
+  add_row(row, 1, spans_.work);
+  for (std::size_t j = 0; j < active_count_; ++j) add_row(spans_.rows[j], -direction[j], spans_.work);
+}
+
 /// The active row whose multiplier reaches zero first along -direction, and the step there; active_count_ for none.
-std::size_t DualActiveSet::blocking_row(std::span<const Real> direction, Real& step) const {
+std::size_t DualActiveSet::blocking_row(Real& step) const {
   std::size_t blocking = active_count_;
   for (std::size_t j = 0; j < active_count_; ++j) {
-    if (!(direction[j] > 0)) continue;
-    const Real limit = spans_.multipliers[j] / direction[j];
+    if (!(spans_.direction[j] > 0)) continue;
+    const Real limit = spans_.multipliers[j] / spans_.direction[j];
     if (blocking == active_count_ || limit < step) {
       step = limit;
       blocking = j;
@@ -161,45 +209,58 @@ std::size_t DualActiveSet::blocking_row(std::span<const Real> direction, Real& s
 }
 
 /// Moves the multipliers to the optimum of the active rows taken as equalities; a row whose multiplier would turn
-/// negative on the way is dropped and the optimum is sought again.
+/// negative on the way is dropped and the optimum is sought again. Leaves N times the change of multipliers in `work`.
 Status DualActiveSet::settle() {
+  const std::span<Real> direction = spans_.direction;
+  std::fill(spans_.work.begin(), spans_.work.end(), Real(0));
+  for (std::size_t j = 0; j < active_count_; ++j) {
+    spans_.target[j] = row_value(spans_.rows[j], spans_.solution) - spans_.rows[j].bound;
+  }
+  solve_gram_lower(spans_.target);
   while (true) {
-    const std::span<Real> target = spans_.target;
-    for (std::size_t j = 0; j < active_count_; ++j) {
-      target[j] = row_value(spans_.rows[j], spans_.optimum) - spans_.rows[j].bound;
-    }
-    solve_gram_lower(target);
-    solve_gram_upper(target);
+    std::copy_n(spans_.target.begin(), active_count_, direction.begin());
+    solve_gram_upper(direction);
     Real step = 1;
     std::size_t blocking = active_count_;
     for (std::size_t j = 0; j < active_count_; ++j) {
-      if (!std::isfinite(target[j])) return Status::kNumericalTrouble;
-      if (target[j] >= 0) continue;
-      const Real limit = spans_.multipliers[j] / (spans_.multipliers[j] - target[j]);
+      if (!std::isfinite(direction[j])) return Status::kNumericalTrouble;
+      if (direction[j] >= -spans_.multipliers[j]) continue;
+      const Real limit = spans_.multipliers[j] / -direction[j];
       // Among rows that block at once, the one that pulls hardest.
-      if (blocking == active_count_ || limit < step || (limit == step && target[j] < target[blocking])) {
+      if (blocking == active_count_ || limit < step || (limit == step && direction[j] < direction[blocking])) {
         step = limit;
         blocking = j;
       }
     }
     for (std::size_t j = 0; j < active_count_; ++j) {
-      spans_.multipliers[j] += step * (target[j] - spans_.multipliers[j]);
+      const Real change = step * direction[j];
+      spans_.multipliers[j] += change;
+      add_row(spans_.rows[j], change, spans_.work);
     }
     if (blocking == active_count_) return Status::kOk;
     if (++iterations_ > iteration_limit_) return Status::kIterationLimit;
+    for (std::size_t j = 0; j < active_count_; ++j) spans_.target[j] *= 1 - step;
     drop(blocking);
   }
 }
 
 /// x = x0 - P^-1 N u.
-void DualActiveSet::update_solution() {
+void DualActiveSet::move_from_optimum() {
   std::fill(spans_.work.begin(), spans_.work.end(), Real(0));
   for (std::size_t j = 0; j < active_count_; ++j) add_row(spans_.rows[j], spans_.multipliers[j], spans_.work);
-  solve_hessian(spans_.work, 0, block_count_ - 1);
-  for (std::size_t i = 0; i < spans_.work.size(); ++i) spans_.solution[i] = spans_.optimum[i] - spans_.work[i];
+  std::copy(spans_.optimum.begin(), spans_.optimum.end(), spans_.solution.begin());
+  move_by_work();
 }
 
-/// Removes an active row; Givens rotations of neighbouring columns restore the triangle below it.
+/// x -= P^-1 work.
+void DualActiveSet::move_by_work() {
+  const BlockRange all{0, block_count_ - 1};
+  solve_hessian(spans_.work, all, all);
+  for (std::size_t i = 0; i < spans_.work.size(); ++i) spans_.solution[i] -= spans_.work[i];
+}
+
+/// Removes an active row; Givens rotations of neighbouring columns restore the triangle below it, and turn `target`
+/// with them.
 void DualActiveSet::drop(std::size_t row) {
   const std::span<Real> L = spans_.gram_factor;
   for (std::size_t k = row; k + 1 < active_count_; ++k) {
@@ -209,12 +270,8 @@ void DualActiveSet::drop(std::size_t row) {
     const Real c = a / r;
     const Real s = b / r;
     L[packed(k + 1, k)] = r;
-    for (std::size_t i = k + 2; i < active_count_; ++i) {
-      const Real left = L[packed(i, k)];
-      const Real right = L[packed(i, k + 1)];
-      L[packed(i, k)] = c * left + s * right;
-      L[packed(i, k + 1)] = c * right - s * left;
-    }
+    rotate(c, s, spans_.target[k], spans_.target[k + 1]);
+    for (std::size_t i = k + 2; i < active_count_; ++i) rotate(c, s, L[packed(i, k)], L[packed(i, k + 1)]);
   }
   for (std::size_t k = row; k + 1 < active_count_; ++k) {
     for (std::size_t j = 0; j <= k; ++j) L[packed(k, j)] = L[packed(k + 1, j)];
@@ -241,32 +298,59 @@ void DualActiveSet::solve_gram_upper(std::span<Real> rhs) const {
   }
 }
 
-/// rhs becomes P^-1 rhs; only blocks `first` to `last` of rhs are not zero on entry. Inwards from both ends, then
+DualActiveSet::BlockRange DualActiveSet::blocks_of(const QpRow& row) const {
+  return {row.block, std::min<std::size_t>(row.block + 1, block_count_ - 1)};
+}
+
+/// rhs becomes P^-1 rhs in the blocks wanted; only the blocks given are not zero on entry. Inwards from both ends, then
 /// outwards from the middle; the two halves do not wait for each other.
-void DualActiveSet::solve_hessian(std::span<Real> rhs, std::size_t first, std::size_t last) const {
+void DualActiveSet::solve_hessian(std::span<Real> rhs, BlockRange given, BlockRange wanted) const {
+  if (block_count_ == 0) return;
   const std::span<const FactorBlock> factor = spans_.factor;
   const std::size_t middle = middle_block(block_count_);
   const auto block = [&](std::size_t k) { return &rhs[kBlockSize * k]; };
-  std::size_t left = std::min(first, middle);
-  std::size_t right = std::max(last, middle);
+  const auto leave = [&](std::size_t k, std::size_t inner) {
+    push_inwards(factor[k].coupling, block(k), block(inner));
+    apply_inverse_square(factor[k].inverse_diagonal, block(k));
+  };
+  std::size_t left = std::min(given.first, middle);
+  std::size_t right = std::max(given.last, middle);
   while (left < middle || right > middle) {
     if (left < middle) {
-      push_inwards(factor[left], block(left), block(left + 1));
+      leave(left, left + 1);
       ++left;
     }
     if (right > middle) {
-      push_inwards(factor[right], block(right), block(right - 1));
+      leave(right, right - 1);
       --right;
     }
   }
   apply_inverse_square(factor[middle].inverse_diagonal, block(middle));
-  for (std::size_t distance = 1; distance <= middle; ++distance) {  // the left half is never the shorter one
-    const std::size_t k = middle - distance;
-    pull_outwards(factor[k], block(k), block(k + 1));
-    if (middle + distance < block_count_) {
-      pull_outwards(factor[middle + distance], block(middle + distance), block(middle + distance - 1));
+  while (left > wanted.first || right < wanted.last) {
+    if (left > wanted.first) {
+      --left;
+      pull_outwards(factor[left].coupling, block(left), block(left + 1));
+    }
+    if (right < wanted.last) {
+      ++right;
+      pull_outwards(factor[right].coupling, block(right), block(right - 1));
     }
   }
+}
+
+/// v' P^-1 v as a sum of squares; destroys v.
+Real DualActiveSet::inverse_norm2(std::span<Real> vector) const {
+  const std::size_t middle = middle_block(block_count_);
+  const auto block = [&](std::size_t k) { return &vector[kBlockSize * k]; };
+  for (std::size_t k = 0; k < middle; ++k) push_inwards(spans_.factor[k].coupling, block(k), block(k + 1));
+  for (std::size_t k = block_count_; k-- > middle + 1;) {
+    push_inwards(spans_.factor[k].coupling, block(k), block(k - 1));
+  }
+  Real norm2 = 0;
+  for (std::size_t k = 0; k < block_count_; ++k) {
+    for (const Real y : apply_inverse(spans_.factor[k].inverse_diagonal, block(k))) norm2 += y * y;
+  }
+  return norm2;
 }
 
 }  // namespace swiftlet

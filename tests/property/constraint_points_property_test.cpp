@@ -132,8 +132,9 @@ TEST(ConstraintPointsProperty, TheIterationNeverAddsMoreThanTheorem1Allows) {
   std::vector<QpRow> active(kRows);
   std::vector<Real> multipliers(kRows);
   std::vector<Real> target(kRows);
+  std::vector<Real> direction(kRows);
   std::vector<Real> gram(kRows * (kRows + 1) / 2);
-  const QpSpans spans{factor, optimum, solution, work, active, multipliers, target, gram};
+  const QpSpans spans{factor, optimum, solution, work, active, multipliers, target, direction, gram};
   double largest_share = 0;
   int most = 0;
   long points = 0;

@@ -50,12 +50,15 @@ struct QpSpans {
   std::span<QpRow> rows;          ///< Q
   std::span<Real> multipliers;    ///< Q
   std::span<Real> target;         ///< Q
+  std::span<Real> direction;      ///< Q
   std::span<Real> gram_factor;    ///< Q (Q + 1) / 2
 };
 
 /// Dual active-set method (Goldfarb and Idnani) on the structure above. It starts at x0 with no active row and keeps
 /// every multiplier non-negative; each enforced row strictly increases the dual objective. The Cholesky factor of
-/// N' P^-1 N is updated, never rebuilt. Cost of one row: two banded substitutions, O(K), and O(q^2) for q active rows.
+/// N' P^-1 N is updated, never rebuilt, and a row that the active ones nearly span gets its place in it from an
+/// explicit remainder. Steps start from the rows' distances at the current point, so each corrects the rounding of
+/// those before it. Cost of one row: two banded substitutions, O(K), and O(q^2) for q active rows.
 class DualActiveSet {
  public:
   /// `spans.factor` and `spans.optimum` hold P and x0 for `block_count` blocks. At most `iteration_limit` rows are
@@ -93,12 +96,22 @@ class DualActiveSet {
   Status finish(Status appended);
   Status settle();
   Result<bool> row_is_independent(const QpRow& row);
-  [[nodiscard]] std::size_t blocking_row(std::span<const Real> direction, Real& step) const;
+  Real remainder_norm2(const QpRow& row, Real own);
+  void subtract_combination(const QpRow& row);
+  [[nodiscard]] std::size_t blocking_row(Real& step) const;
   void drop(std::size_t row);
-  void update_solution();
+  void move_from_optimum();
+  void move_by_work();
   void solve_gram_lower(std::span<Real> rhs) const;
   void solve_gram_upper(std::span<Real> rhs) const;
-  void solve_hessian(std::span<Real> rhs, std::size_t first_block, std::size_t last_block) const;
+  /// Blocks of a chain, the last one included.
+  struct BlockRange {
+    std::size_t first;
+    std::size_t last;
+  };
+  [[nodiscard]] BlockRange blocks_of(const QpRow& row) const;
+  void solve_hessian(std::span<Real> rhs, BlockRange given, BlockRange wanted) const;
+  [[nodiscard]] Real inverse_norm2(std::span<Real> vector) const;
 
   QpSpans spans_;
   std::size_t block_count_;

@@ -29,7 +29,9 @@ template <std::size_t kSegments>
 class TrajectoryStorage {
  public:
   TrajectorySpans spans() {
-    return {{factor_, optimum_, solution_, work_, rows_, multipliers_, target_, gram_factor_}, scales_, violations_};
+    return {{factor_, optimum_, solution_, work_, rows_, multipliers_, target_, direction_, gram_factor_},
+            scales_,
+            violations_};
   }
 
  private:
@@ -42,6 +44,7 @@ class TrajectoryStorage {
   std::array<QpRow, kActive> rows_;
   std::array<Real, kActive> multipliers_;
   std::array<Real, kActive> target_;
+  std::array<Real, kActive> direction_;
   std::array<Real, kActive*(kActive + 1) / 2> gram_factor_;
   std::array<Real, kSegments> scales_;
   std::array<Violation, kSegments> violations_;
