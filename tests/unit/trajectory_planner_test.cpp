@@ -218,8 +218,8 @@ std::uint64_t hash_of(const RandomFlight& flight, const FittedTrajectory& fitted
 // replace them then, and say in the commit why the answers moved.
 TEST(TrajectoryPlanner, TheBitsOfSixFlightsAreTheSameOnEveryMachine) {
   if (!kIsDouble) return;
-  constexpr std::array<std::uint64_t, 6> kGolden{1749117993064678856U,  4837145965791419982U,  12734504070471516189U,
-                                                 11327356896918585789U, 13651716626770637610U, 2562444156139992077U};
+  constexpr std::array<std::uint64_t, 6> kGolden{10493075158392834856U, 12383254833285961346U, 12734504070471516189U,
+                                                 13038305096371308601U, 4438590485364622565U,  3735947561525592491U};
   for (std::size_t seed = 0; seed < kGolden.size(); ++seed) {
     RandomFlight flight(seed);
     if (seed == 2) flight.request.limits.norm = LimitNorm::kEuclidean;
