@@ -47,8 +47,15 @@ constexpr std::uint64_t kTighteningTrials = 24;
 // the speed limit, so that raising that limit does not change what is sought.
 constexpr Real kTimeWeight = 70;
 constexpr Real kShortestLength = Real(0.01);  // [m] in that unit
-constexpr Real kLeastGain = Real(5e-3);       // of a step of the refinement, for another one to follow
+constexpr Real kLeastGain = Real(2e-3);       // of a step of the refinement, for another one to follow
 constexpr int kSlowDowns = 4;
+// From rest no ramp is asked to be shorter than this share of the mean leg, nor of the way where it has few legs: much
+// steeper ones gain next to no time, and a search that trades smoothness for them stops anywhere.
+constexpr Real kRampOfLeg = Real(0.4);
+constexpr Real kRampOfWay = Real(0.05);
+// The first allocation takes no leg for faster than its length lets it become, in units of sqrt(a times its length):
+// a speed limit out of reach then changes nothing.
+constexpr Real kReachedSpeed = Real(0.8367);  // sqrt(0.7)
 
 bool is_at_rest(const State& state) { return state.velocity.isZero(0) && state.acceleration.isZero(0); }
 
@@ -107,6 +114,7 @@ const FittedTrajectory& TrajectoryPlanner::fit(const KnottedCorridor& corridor, 
     fitted_.status = Status::kInfeasible;
     return fitted_;
   }
+  if (from_rest) keep_ramps();
   add_knots();
   // The answer that always exists, before anything that could run out (design: section 6).
   if (from_rest) {
@@ -142,12 +150,16 @@ TrajectoryProblem TrajectoryPlanner::problem(const SolveEffort& effort) const {
   return posed;
 }
 
-/// Jerk cost that a second is worth [m^2/s^6].
-Real TrajectoryPlanner::time_weight() const {
+Real TrajectoryPlanner::path_length() const {
   Real length = 0;
   for (std::size_t i = 0; i < count(); ++i) length += (corridor_.points[i + 1] - corridor_.points[i]).norm();
+  return length;
+}
+
+/// Jerk cost that a second is worth [m^2/s^6].
+Real TrajectoryPlanner::time_weight() const {
   const Real a = fitted_.qp_a_max.maxCoeff();
-  return kTimeWeight * a * a * a / std::max(length, kShortestLength);
+  return kTimeWeight * a * a * a / std::max(path_length(), kShortestLength);
 }
 
 /// A start or goal state beyond a limit is no matter of times.
@@ -168,8 +180,23 @@ bool TrajectoryPlanner::ends_keep_limits() {
   return true;
 }
 
+/// Lowers the acceleration where the speed limit would be reached over a way that is short against the legs. Free of
+/// the limits themselves, so that raising one of them scales the same plan.
+void TrajectoryPlanner::keep_ramps() {
+  const Real length = path_length();
+  const Real shortest = std::min(kRampOfLeg * length / static_cast<Real>(count()), kRampOfWay * length);  // [m]
+  const Real v = bounds_.v.axis;
+  if (v * v >= bounds_.a.axis * shortest) return;
+  bounds_.a.axis = v * v / shortest;
+  fitted_.qp_a_max = Vector3::Constant(bounds_.a.axis);
+}
+
 /// Interior knots where one quintic would be too stiff for its leg.
 void TrajectoryPlanner::add_knots() {
+  longest_leg_ = 0;
+  for (std::size_t i = 0; i < count(); ++i) {
+    longest_leg_ = std::max(longest_leg_, (corridor_.points[i + 1] - corridor_.points[i]).norm());
+  }
   const Real ramps = fitted_.qp_v_max[0] * fitted_.qp_v_max[0] / fitted_.qp_a_max[0];  // [m] to the limit and back
   fitted_.box_count = insert_knots(corridor_, count(), kLongestLeg * ramps);
 }
@@ -218,7 +245,9 @@ void TrajectoryPlanner::stop_at_every_gate() {
 Status TrajectoryPlanner::allocate_profile() {
   const std::span<Real> profile = spans_.profile.first(count());
   const std::span<const Vector3> points = corridor_.points.first(count() + 1);
-  const SpeedLimits limits{fitted_.qp_v_max.minCoeff(), fitted_.qp_a_max.minCoeff()};
+  SpeedLimits limits{fitted_.qp_v_max.minCoeff(), fitted_.qp_a_max.minCoeff()};
+  const Real reached = kReachedSpeed * std::sqrt(limits.a_max * longest_leg_);
+  if (is_from_rest() && reached > 0) limits.v_max = std::min(limits.v_max, reached);
   std::size_t far = 1;
   while (far + 1 < points.size() && (points[far] - points[0]).isZero(0)) ++far;
   const Vector3 leg = points[far] - points[0];
@@ -429,19 +458,22 @@ bool TrajectoryPlanner::drop_first_box() {
   return true;
 }
 
-/// From durations that a rough solve has found feasible to a certified trajectory. Where the refined ones fail, as they
-/// may by a hair from motion, the ones from before are taken.
+/// From durations that a rough solve has found feasible to a certified trajectory. Where the refined ones fail, by a
+/// hair or by the solver's cap on its steps, the ones from before are taken.
 Status TrajectoryPlanner::complete(Status found) {
   if (found != Status::kOk) return found;
-  const bool from_rest = is_from_rest();
   const std::span<Real> before = spans_.profile.first(count());
   std::copy_n(spans_.durations.begin(), count(), before.begin());
+  const Vector3 v_max = fitted_.qp_v_max;
+  const Vector3 a_max = fitted_.qp_a_max;
   for (const bool refined : {true, false}) {
     Status status = refine(refined ? request_.budget.refinement : 0);
     if (status == Status::kOk && bounds_.exceed_axes()) status = slow_down_to_bounds();
     if (status == Status::kOk && certify_segments()) return status;
-    if (from_rest || !refined || work_left() == 0) return status == Status::kOk ? Status::kNumericalTrouble : status;
+    if (!refined || work_left() == 0) return status == Status::kOk ? Status::kNumericalTrouble : status;
     std::copy_n(before.begin(), count(), spans_.durations.begin());
+    fitted_.qp_v_max = v_max;
+    fitted_.qp_a_max = a_max;
   }
   return Status::kNumericalTrouble;
 }

@@ -120,6 +120,27 @@ TEST(TrajectoryPlanner, AStraightFlightOfEuclideanLimitsIsNearlyAsFastAsOneOfLim
   EXPECT_LE(total_duration(fit(euclidean).segments), Real(1.05) * fast);
 }
 
+TEST(TrajectoryPlanner, ASpeedLimitOutOfReachChangesNothing) {
+  RandomFlight fast = two_rooms();
+  fast.request.limits.v_max = 20;
+  const Real duration = total_duration(fit(fast).segments);
+  RandomFlight faster = two_rooms();
+  faster.request.limits.v_max = 50;
+  EXPECT_EQ(total_duration(fit(faster).segments), duration);
+}
+
+TEST(TrajectoryPlanner, AnAccelerationThatOnlySteepensTheRampsIsLeftUnused) {
+  // Ramps of v^2 / a = 0.3 m are 0.05 of the way: 3.33 m/s^2 is what the flight takes.
+  RandomFlight steep = two_rooms();
+  steep.request.limits.a_max = 5;
+  const FittedTrajectory& fitted = fit(steep);
+  EXPECT_NEAR(fitted.qp_a_max[0], 1 / Real(0.3), Real(1e-5));
+  const Real duration = total_duration(fitted.segments);
+  RandomFlight steeper = two_rooms();
+  steeper.request.limits.a_max = 50;
+  EXPECT_EQ(total_duration(fit(steeper).segments), duration);
+}
+
 TEST(TrajectoryPlanner, AStartThatCanJustBrakeWithinItsBoxIsFlown) {
   // Away from the goal, 1 m before the wall; 0.55 v^2 / a need that much at v = sqrt(1 / 0.55).
   RandomFlight flight = two_rooms();

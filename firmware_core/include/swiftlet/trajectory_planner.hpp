@@ -72,9 +72,11 @@ class TrajectoryPlanner {
   [[nodiscard]] bool is_from_rest() const;
   [[nodiscard]] std::uint64_t work_left() const;
   [[nodiscard]] TrajectoryProblem problem(const SolveEffort& effort) const;
+  [[nodiscard]] Real path_length() const;
   [[nodiscard]] Real time_weight() const;
 
   bool ends_keep_limits();
+  void keep_ramps();
   void add_knots();
   void plan_braking();
   bool add_braking();
@@ -102,6 +104,7 @@ class TrajectoryPlanner {
   TrajectoryRequest request_;
   MotionBounds bounds_;
   Braking braking_;
+  Real longest_leg_ = 0;         // [m] of the path, before knots
   std::size_t brake_count_ = 0;  // leading segments that only brake
   FittedTrajectory fitted_;
 };
