@@ -239,8 +239,8 @@ std::uint64_t hash_of(const RandomFlight& flight, const FittedTrajectory& fitted
 // replace them then, and say in the commit why the answers moved.
 TEST(TrajectoryPlanner, TheBitsOfSixFlightsAreTheSameOnEveryMachine) {
   if (!kIsDouble) return;
-  constexpr std::array<std::uint64_t, 6> kGolden{10493075158392834856U, 12383254833285961346U, 12734504070471516189U,
-                                                 13038305096371308601U, 4438590485364622565U,  3735947561525592491U};
+  constexpr std::array<std::uint64_t, 6> kGolden{633852840161771643U,  5167649868461213482U, 1864166804908804549U,
+                                                 4852159690175158988U, 3555700253872614510U, 2568662039100884225U};
   for (std::size_t seed = 0; seed < kGolden.size(); ++seed) {
     RandomFlight flight(seed);
     if (seed == 2) flight.request.limits.norm = LimitNorm::kEuclidean;
