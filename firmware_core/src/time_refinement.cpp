@@ -93,7 +93,8 @@ class Refinement {
       Real factor = step_factor(gradient_[i], options_.time_weight, halvings);
       // To first order no faster than the other bounds allow.
       if (options_.bounds.exceed_axes()) factor = std::max(factor, slow_down(segments_[i], options_.bounds));
-      trial_[i] = std::max(factor * durations_[i], std::min(shortest, durations_[i]));
+      trial_[i] =
+          i < options_.held ? durations_[i] : std::max(factor * durations_[i], std::min(shortest, durations_[i]));
     }
   }
 

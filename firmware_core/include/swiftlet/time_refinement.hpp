@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -23,6 +24,7 @@ struct RefinementOptions {
   Real least_gain = Real(5e-3);  ///< a step that improves the objective by less than this share of it is the last one
   /// Units that the report may hold in the end, but for the set-up of one solve.
   std::uint64_t deadline = std::numeric_limits<std::uint64_t>::max();
+  std::size_t held = 0;  ///< so many of the first segments keep their durations
 };
 
 /// Memory of one refinement of M segments; see storage.hpp.

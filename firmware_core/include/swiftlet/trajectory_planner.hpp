@@ -62,7 +62,8 @@ class TrajectoryPlanner {
 
   /// `corridor`: `count` boxes, count - 1 gates, and count + 1 points of a path through them, in buffers that may grow
   /// to their full size. Errors: kFallback (certified, but not the optimum), kInfeasible (from motion only: the report
-  /// says which axis of which box lacks how many metres), kBadRequest (limits that are out of range),
+  /// says which axis of which box lacks how many metres; its stretch stays 0, for durations are the planner's own and
+  /// one that helps is taken), kBadRequest (limits that are out of range),
   /// kNumericalTrouble (nothing passed its certificate).
   const FittedTrajectory& fit(const KnottedCorridor& corridor, std::size_t count, const TrajectoryRequest& request);
 
@@ -88,12 +89,14 @@ class TrajectoryPlanner {
   Status try_durations();
   Status stretch_from_rest();
   void stretch_profile(Real stretch);
+  void scatter_durations(std::size_t scatter, std::size_t held);
   Status stretch_from_motion();
-  Status tighten_limits(Real weight);
+  Status tighten_limits(Real weight, std::size_t held);
   Status refine(std::uint64_t work);
   Status complete(Status found);
   Status optimise();
   Status optimise_from_motion();
+  Status optimise_by_tightening();
   Status optimise_braking();
   Status slow_down_to_bounds();
   bool certify_segments();
