@@ -1,0 +1,83 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+
+#include "swiftlet/corridor.hpp"
+#include "swiftlet/corridor_search.hpp"
+#include "swiftlet/flight_limits.hpp"
+#include "swiftlet/flight_time.hpp"
+#include "swiftlet/hover_thrust.hpp"
+#include "swiftlet/margin_ledger.hpp"
+#include "swiftlet/supervisor.hpp"
+#include "swiftlet/tracking_controller.hpp"
+#include "swiftlet/trajectory_planner.hpp"
+#include "swiftlet/types.hpp"
+#include "swiftlet/vehicle_state.hpp"
+#include "swiftlet/yaw.hpp"
+
+namespace swiftlet::companion {
+
+/// What the vehicle's size, the map's and the numbers' errors take of the map's radius; the tracking tube comes on top.
+struct Margins {
+  Real vehicle_radius = Real(0.2);    ///< [m] centre to the outermost part
+  Real map_error = Real(0.05);        ///< [m] scan, registration, alignment
+  Real numeric_margin = Real(0.001);  ///< [m] the certificate's tolerance
+  TrackingTubes tubes;                ///< [m] by the set-point form in use
+};
+
+/// How long a set-point sent now takes until the vehicle answers it, beyond the way over the link, which is measured
+/// [us]. The reference is sampled that much ahead.
+struct CommandDelays {
+  TimeUs position = 150'000;  ///< PX4's position loop was seen 0.16 to 0.22 s late
+  TimeUs attitude = 0;        ///< the predictor's response time knows the attitude loop's lag
+  TimeUs rates = 0;
+};
+
+/// Gains and bounds of the controller by the form in use; the position form leaves control to the autopilot.
+struct ControllerGains {
+  ControllerSettings attitude;
+  ControllerSettings rates;
+};
+
+struct TakeoffSettings {
+  Real height = 1;              ///< [m] above the start, at least; where nothing is free there, the next free above
+  Real tolerance = Real(0.15);  ///< [m] of measured height below it at which the climb is over
+  TimeUs patience = 20 * kSecondUs;  ///< from arming to that height; then the flight ends by the autopilot's landing
+  TimeUs standing = kSecondUs;       ///< after arming, on the ground: the pose is averaged over it for the alignment
+};
+
+struct PlanningSettings {
+  TimeUs latency = 50'000;  ///< worst case from a plan's beginning to its offer; the splice lies that far ahead
+  WorkBudget budget;
+  SearchOptions search;
+  CorridorKind corridor = CorridorKind::kExtents;
+};
+
+/// Everything that can be configured (docs/flight.md tabulates the keys). The same values on every board.
+struct Settings {
+  std::uint8_t system_id = 1;  ///< of the vehicle
+  SetpointForm form = SetpointForm::kAttitude;
+
+  Vector3 start = Vector3::Zero();  ///< [m] frame W: where the vehicle stands when it is armed, on the ground
+  Real start_yaw = 0;               ///< [rad] from east, anticlockwise
+
+  FlightLimits limits{.v_max = 1, .a_max = 2, .j_max = kUnlimited, .norm = LimitNorm::kAxis, .vehicle = {}};
+  Margins margins;
+  TakeoffSettings takeoff;
+  Real arrival_tolerance = Real(0.1);  ///< [m] of the vehicle to a goal when the reference has come to rest there
+  bool engage_at_start = false;        ///< fly as soon as all is well, without a word of the operator
+  bool land_at_end = false;            ///< when the last goal is reached
+
+  PlanningSettings planning;
+  YawSettings yaw;
+  ControllerGains control;
+  CommandDelays delays;
+  PredictorSettings predictor;
+  HoverThrustSettings hover_thrust;
+  SupervisorSettings supervisor;  ///< its tracking tube is taken from `margins`
+};
+
+/// Whether every number is finite and in range; what is wrong otherwise, nullptr when nothing is.
+const char* find_fault(const Settings& settings);
+
+}  // namespace swiftlet::companion
