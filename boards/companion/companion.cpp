@@ -1,47 +1,384 @@
-#include "companion.hpp"
+#include "companion/companion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace swiftlet::companion {
+namespace {
 
-const char* describe(Phase phase) {
-  switch (phase) {
-    case Phase::kGround:
-      return "ground";
-    case Phase::kTakeoff:
-      return "take-off";
-    case Phase::kMission:
-      return "mission";
-    case Phase::kLanding:
-      return "landing";
-    case Phase::kDone:
-      return "done";
-  }
-  return "unknown phase";
+// MAV_CMD that a ground station may send us.
+constexpr std::uint16_t kCommandLand = 21;
+constexpr std::uint16_t kCommandPauseContinue = 193;
+constexpr std::uint16_t kCommandMissionStart = 300;
+
+constexpr Real kSameGoal = Real(0.01);       // [m] a ground station that repeats its goal
+constexpr TimeUs kAttitudeAgeMax = 100'000;  // behind the position, before it counts as missing
+constexpr float kMostOfLimit = 100;          // [m/s] [m/s^2] that a parameter may ask for
+
+TimeUs us(std::chrono::microseconds time) { return time.count(); }
+
+}  // namespace
+
+// ---- Construction
+
+std::array<mavlink::Parameter, Companion::kParameterCount> Companion::make_parameters(const Settings& settings) {
+  const auto limit = [](std::string_view name, Real value) {
+    return mavlink::Parameter{name, static_cast<float>(value), static_cast<float>(kLeastLimit), kMostOfLimit, true};
+  };
+  return {limit("SWF_VMAX", settings.limits.v_max), limit("SWF_AMAX", settings.limits.a_max),
+          mavlink::Parameter{"SWF_MAP_RADIUS", 0, 0, 0, false}, mavlink::Parameter{"SWF_REQ_RADIUS", 0, 0, 0, false}};
 }
 
-const char* find_fault(const Settings& settings) { return is_usable(settings.limits) ? nullptr : "limits"; }
+mavlink::LinkConfig Companion::link_config(const Settings& settings, std::span<mavlink::Parameter> parameters) {
+  mavlink::LinkConfig config;
+  config.system_id = settings.system_id;
+  config.parameters = parameters;
+  return config;
+}
+
+SupervisorSettings Companion::supervisor_settings(const Settings& settings) {
+  SupervisorSettings with_tube = settings.supervisor;
+  with_tube.tracking_tube = tube_of(settings.margins.tubes, settings.form);
+  return with_tube;
+}
 
 Companion::Companion(const Settings& settings, const BoxGraphView& map, const Memory& memory, const Devices& devices)
-    : settings_(settings), map_(map), link_(devices.autopilot, {}), supervisor_(settings.supervisor) {
-  (void)memory;
+    : settings_(settings),
+      parameters_(make_parameters(settings)),
+      link_(devices.autopilot, link_config(settings, parameters_)),
+      journal_(link_),
+      supervisor_(supervisor_settings(settings)),
+      store_(memory.trajectories),
+      replanner_(settings_, map, memory, devices.planner),
+      mission_(settings_, link_, journal_),
+      steering_(settings_) {
+  check_map(map);
 }
+
+void Companion::check_map(const BoxGraphView& map) {
+  const MarginReport report = margins_of(settings_, static_cast<Real>(map.header().radius));
+  margins_covered_ = report.verdict == MarginVerdict::kCovered;
+  parameters_[kMapRadius].value = static_cast<float>(map.header().radius);
+  parameters_[kRequiredRadius].value = static_cast<float>(report.required);
+  if (margins_covered_) return;
+  Line line("no flight in this map: ");
+  line << describe(report.verdict) << ", radius " << static_cast<Real>(map.header().radius) << " m, needed "
+       << report.required << " m";
+  journal_.warn(line);
+}
+
+// ---- The operator
+
+bool Companion::tell(const Word& word) { return words_.try_push_back(word); }
+
+bool Companion::add_goal(const Vector3& position, std::optional<Real> yaw) {
+  if (!position.allFinite() || (yaw && !std::isfinite(*yaw))) return false;
+  return tell({.kind = Word::Kind::kAddGoal, .a = position, .yaw = yaw});
+}
+
+bool Companion::set_goal(const Vector3& position, std::optional<Real> yaw) {
+  if (!position.allFinite() || (yaw && !std::isfinite(*yaw))) return false;
+  return tell({.kind = Word::Kind::kSetGoal, .a = position, .yaw = yaw});
+}
+
+bool Companion::engage(bool on) { return tell({.kind = on ? Word::Kind::kEngage : Word::Kind::kRelease}); }
+bool Companion::stop() { return tell({.kind = Word::Kind::kStop}); }
+bool Companion::land() { return tell({.kind = Word::Kind::kLand}); }
+
+bool Companion::block(std::uint32_t id, const Box& obstacle) {
+  if (!obstacle.lo.allFinite() || !obstacle.hi.allFinite()) return false;
+  return tell({.kind = Word::Kind::kBlock, .id = id, .a = obstacle.lo, .b = obstacle.hi});
+}
+
+bool Companion::unblock(std::uint32_t id) { return tell({.kind = Word::Kind::kUnblock, .id = id}); }
+
+bool Companion::set_limits(Real v_max, Real a_max) {
+  FlightLimits limits = settings_.limits;
+  limits.v_max = v_max;
+  limits.a_max = a_max;
+  return is_usable(limits) && tell({.kind = Word::Kind::kLimits, .a = {v_max, a_max, 0}});
+}
+
+bool Companion::replace_map(const BoxGraphView& map) {
+  const MarginReport report = margins_of(settings_, static_cast<Real>(map.header().radius));
+  if (report.verdict != MarginVerdict::kCovered) return false;
+  check_map(map);
+  if (replanner_.replace_map(map) != Status::kOk) journal_.warn("not every blocked box fits into the new map");
+  mission_.plan_anew();
+  return true;
+}
+
+void Companion::obey() {
+  while (const std::optional<Word> word = words_.pop_front()) carry_out(*word);
+}
+
+void Companion::carry_out(const Word& word) {
+  switch (word.kind) {
+    case Word::Kind::kAddGoal:
+      return mission_.add_goal(word.a, word.yaw, replanner_.map());
+    case Word::Kind::kSetGoal:
+      return mission_.set_goal(word.a, word.yaw, replanner_.map());
+    case Word::Kind::kEngage:
+      return mission_.engage();
+    case Word::Kind::kRelease:
+      return mission_.release();
+    case Word::Kind::kStop:
+      return mission_.stop();
+    case Word::Kind::kLand:
+      return mission_.land();
+    case Word::Kind::kBlock:
+      return block_box(word);
+    case Word::Kind::kUnblock:
+      if (!replanner_.unblock(word.id)) journal_.warn(Line("nothing is blocked under the number ") << word.id);
+      return;
+    case Word::Kind::kLimits:
+      return change_limits(word.a.x(), word.a.y());
+  }
+}
+
+/// What cannot be kept out of must not be flown by.
+void Companion::block_box(const Word& word) {
+  const Status status = replanner_.block(word.id, {word.a, word.b});
+  if (status == Status::kOk) return;
+  Line line("box ");
+  line << word.id << " cannot be blocked: " << describe(status);
+  if (status == Status::kBufferTooSmall) {
+    line << "; stopping";
+    mission_.stop();
+  }
+  journal_.warn(line);
+}
+
+void Companion::change_limits(Real v_max, Real a_max) {
+  replanner_.set_limits(v_max, a_max);
+  parameters_[kSpeed].value = static_cast<float>(v_max);
+  parameters_[kAcceleration].value = static_cast<float>(a_max);
+  mission_.plan_anew();
+}
+
+// ---- A step
 
 void Companion::step(std::chrono::microseconds now) {
-  link_.step(now);
-  telemetry_.time = now.count();
-  telemetry_.link = link_.counters();
+  receive(now);
+  obey();
+  mission_.observe(now_);
+  read_estimate();
+  const Decision decision = decide();
+  follow(decision);
+  steer(decision);
+  plan(decision);
+  report(decision);
 }
 
-bool Companion::add_goal(const Vector3& position, std::optional<Real> /*yaw*/) { return position.allFinite(); }
-bool Companion::set_goal(const Vector3& position, std::optional<Real> /*yaw*/) { return position.allFinite(); }
-bool Companion::engage(bool /*on*/) { return true; }
-bool Companion::stop() { return true; }
-bool Companion::land() { return true; }
-bool Companion::block(std::uint32_t /*id*/, const Box& /*obstacle*/) { return true; }
-bool Companion::unblock(std::uint32_t /*id*/) { return true; }
-bool Companion::set_limits(Real /*v_max*/, Real /*a_max*/) { return true; }
-bool Companion::replace_map(const BoxGraphView& map) {
-  map_ = map;
-  return true;
+void Companion::receive(Microseconds now) {
+  now_ = us(now);
+  journal_.set_time(now_);
+  link_.step(now);
+  take_goal();
+  take_commands();
+  take_texts();
+  take_parameters();
+}
+
+/// A goal that comes over the link replaces all others, as a target does; its repetitions are no news.
+void Companion::take_goal() {
+  const std::optional<mavlink::Goal> goal = link_.take_goal();
+  if (!goal) return;
+  const bool same = last_link_goal_ && (last_link_goal_->position - goal->position).norm() < kSameGoal &&
+                    last_link_goal_->yaw.has_value() == goal->yaw.has_value();
+  last_link_goal_ = goal;
+  if (!same) mission_.set_goal(goal->position, goal->yaw, replanner_.map());
+}
+
+void Companion::take_commands() {
+  while (const std::optional<mavlink::ReceivedCommand> command = link_.take_command()) {
+    mavlink::CommandResult result = mavlink::CommandResult::kAccepted;
+    if (command->command == kCommandLand) {
+      mission_.land();
+    } else if (command->command == kCommandPauseContinue && command->param[0] == 0) {
+      mission_.stop();
+    } else if (command->command == kCommandMissionStart) {
+      mission_.engage();
+    } else {
+      result = mavlink::CommandResult::kUnsupported;
+    }
+    link_.answer(*command, result);
+  }
+}
+
+void Companion::take_texts() {
+  while (const std::optional<mavlink::Text> text = link_.take_text()) {
+    const std::string_view words(text->text.data(), text->text.size());
+    journal_.heard(text->severity, Line("heard: ") << words.substr(0, words.find('\0')));
+  }
+}
+
+void Companion::take_parameters() {
+  if (link_.parameter_changes() == parameter_changes_) return;
+  parameter_changes_ = link_.parameter_changes();
+  change_limits(Real(parameters_[kSpeed].value), Real(parameters_[kAcceleration].value));
+}
+
+// ---- The estimate
+
+/// One state from the autopilot's position and attitude, which come apart: at the position's time.
+void Companion::read_estimate() {
+  const mavlink::VehicleState vehicle = link_.vehicle();
+  new_estimate_ = vehicle.position_count != estimates_;
+  const bool refused = vehicle.refused_count != refused_estimates_;
+  estimates_ = vehicle.position_count;
+  refused_estimates_ = vehicle.refused_count;
+  if (refused || new_estimate_) estimate_refused_ = refused;
+  has_estimate_ = vehicle.has_position && vehicle.has_attitude;
+  const TimeUs position_at = us(vehicle.position_sampled_at);
+  const TimeUs attitude_at = us(vehicle.attitude_sampled_at);
+  estimate_.time = position_at - attitude_at > kAttitudeAgeMax ? attitude_at : position_at;
+  estimate_.position = vehicle.position;
+  estimate_.velocity = vehicle.velocity;
+  estimate_.body_rates = vehicle.body_rates;
+  // The turn between the two instants, at most a few hundredths of a second.
+  const TimeUs gap = std::clamp(position_at - attitude_at, -kAttitudeAgeMax, kAttitudeAgeMax);
+  const Vector3 half = vehicle.body_rates * (to_seconds(gap) / 2);
+  estimate_.attitude = (vehicle.attitude * Quaternion(1, half.x(), half.y(), half.z())).normalized();
+}
+
+TimeUs Companion::last_message() const {
+  const mavlink::AutopilotState& autopilot = link_.autopilot();
+  const mavlink::VehicleState& vehicle = link_.local_vehicle();
+  return us(
+      std::max({autopilot.heard_at, autopilot.mode_at, vehicle.position_received_at, vehicle.attitude_received_at}));
+}
+
+TimeUs Companion::link_delay() const {
+  if (!link_.time_sync().synchronised()) return 0;
+  return us(std::chrono::duration_cast<Microseconds>(link_.time_sync().round_trip())) / 2;
+}
+
+// ---- Decision
+
+Decision Companion::decide() {
+  SupervisorInputs inputs;
+  inputs.now = now_;
+  inputs.last_message = last_message();
+  inputs.has_odometry = has_estimate_;
+  inputs.odometry = estimate_;
+  if (estimate_refused_) {  // what came last was refused: the supervisor shall know
+    inputs.odometry.time = now_;
+    inputs.odometry.position.setConstant(std::numeric_limits<Real>::quiet_NaN());
+  }
+  inputs.reference_position =
+      store_.has_reference() ? store_.sample(estimate_.time).position : Vector3(estimate_.position);
+  inputs.reference_at_rest = store_.at_rest(now_) || !store_.has_reference();
+  inputs.last_setpoint = last_setpoint_;
+  inputs.autopilot_boots = link_.autopilot().restarts;
+  inputs.deadline_misses = replanner_.late_in_row();
+  inputs.map_id = replanner_.map_crc();
+  const bool on_plan = store_.has_reference() && !store_.segments(now_).empty();
+  inputs.plan_map_id = on_plan ? replanner_.committed().map_crc : inputs.map_id;
+  inputs.path_blocked = replanner_.path_blocked(store_, now_);
+  inputs.margins_covered = margins_covered_;
+  mission_.fill(inputs);
+  return supervisor_.step(inputs);
+}
+
+void Companion::follow(const Decision& decision) {
+  if (decision.clock_shift != 0) store_.shift_clock(decision.clock_shift);
+  if (decision.position_shift.squaredNorm() > 0) store_.shift_position(decision.position_shift);
+  if (decision.hold_here) store_.hold(estimate_.position, now_);
+  if (decision.brake) store_.brake(now_);
+  const bool leads_elsewhere = decision.brake || decision.hold_here || decision.position_shift.squaredNorm() > 0;
+  if (leads_elsewhere) mission_.plan_anew();
+  mission_.advance({now_, decision, replanner_.map(), has_estimate_, estimate_}, store_);
+}
+
+// ---- Steering
+
+void Companion::steer(const Decision& decision) {
+  telemetry_.sent = false;
+  if (decision.hold_here || decision.setpoints == Setpoints::kNone || decision.clock_shift != 0) {
+    steering_.rest(mavlink::yaw_of(estimate_.attitude), now_);
+  }
+  if (decision.setpoints == Setpoints::kNone || !store_.has_reference()) return;
+  const bool position_only = decision.setpoints == Setpoints::kPosition || mission_.position_only();
+  SteeringInputs inputs;
+  inputs.now = now_;
+  inputs.link_delay = link_delay();
+  inputs.form = position_only ? SetpointForm::kPosition : settings_.form;
+  inputs.integrate = !position_only;
+  inputs.estimate = estimate_;
+  inputs.new_estimate = new_estimate_;
+  inputs.yaw = mission_.yaw(store_.at_rest(now_));
+  telemetry_.form = inputs.form;
+  telemetry_.command = steering_.step(inputs, store_);
+  telemetry_.sent = !mission_.autopilot_climbs() && steering_.send(link_);
+  if (telemetry_.sent || mission_.autopilot_climbs()) last_setpoint_ = now_;
+}
+
+// ---- Plans
+
+/// After the set-point has left: a plan that is quick is committed in the step that asked for it, and delays nothing.
+void Companion::plan(const Decision& decision) {
+  const Goal* goal = mission_.goal();
+  const bool wanted = decision.replan && goal != nullptr;
+  if (wanted && !wants_plan_) plan_wanted_since_ = now_;
+  wants_plan_ = wanted;
+  if (replanner_.under_way()) end_plan();
+  goal = mission_.goal();
+  if (!wants_plan_ || goal == nullptr || replanner_.under_way()) return;
+  if (replanner_.begin(*goal, plan_wanted_since_, store_, now_)) end_plan();
+}
+
+void Companion::end_plan() {
+  const Goal* goal = mission_.goal();
+  const bool wanted = goal != nullptr && goal->id == replanner_.goal_under_way();
+  const std::optional<PlanEnd> end = replanner_.poll(wanted, store_, now_);
+  if (!end) return;
+  mission_.plan_ended(*end);
+  if (end->committed) wants_plan_ = false;
+}
+
+// ---- What is told
+
+void Companion::note_events() {
+  for (; noted_events_ != supervisor_.event_count(); ++noted_events_) {
+    const FlightEvent& event = supervisor_.event(noted_events_);
+    journal_.info(Line(describe(event.to)) << ": " << describe(event.reason));
+  }
+}
+
+void Companion::report(const Decision& decision) {
+  note_events();
+  const bool in_flight = decision.setpoints != Setpoints::kNone && decision.state != FlightState::kReady;
+  link_.set_state(in_flight ? mavlink::SystemState::kActive : mavlink::SystemState::kStandby);
+  Telemetry& t = telemetry_;
+  t.time = now_;
+  t.state = decision.state;
+  t.reason = decision.reason;
+  t.phase = mission_.phase();
+  t.has_estimate = has_estimate_;
+  t.estimate = estimate_;
+  t.has_reference = store_.has_reference();
+  if (t.has_reference) {
+    t.reference = {store_.sample(now_), steering_.yaw().yaw, steering_.yaw().rate};
+    t.tracking_error = (estimate_.position - store_.sample(estimate_.time).position).norm();
+  }
+  t.setpoints = decision.setpoints;
+  t.thrust = steering_.thrust();
+  t.hover_thrust = steering_.hover_thrust();
+  t.link_delay = link_delay();
+  t.plan = replanner_.committed();
+  t.goals_reached = mission_.goals_reached();
+  t.goals_waiting = mission_.goals_waiting();
+  t.plans_discarded = replanner_.discarded();
+  t.deadline_misses = replanner_.late();
+  t.aligned = mission_.aligned();
+  t.armed = link_.autopilot().armed;
+  t.mode = link_.autopilot().mode;
+  t.autopilot = link_.autopilot().kind;
+  t.battery_mv = link_.autopilot().battery_mv;
+  t.link = link_.counters();
+  t.codec = link_.codec_counters();
 }
 
 }  // namespace swiftlet::companion

@@ -5,14 +5,19 @@
 #include <cstdint>
 #include <optional>
 
-#include "plan_worker.hpp"
-#include "settings.hpp"
-#include "storage.hpp"
+#include "companion/journal.hpp"
+#include "companion/mission.hpp"
+#include "companion/plan_worker.hpp"
+#include "companion/replanner.hpp"
+#include "companion/settings.hpp"
+#include "companion/steering.hpp"
+#include "companion/storage.hpp"
+#include "companion/telemetry.hpp"
+#include "companion/word.hpp"
 #include "swiftlet/box_graph_view.hpp"
 #include "swiftlet/hal/uart.hpp"
 #include "swiftlet/mavlink/link.hpp"
 #include "swiftlet/supervisor.hpp"
-#include "telemetry.hpp"
 
 /// The flight application: the same on every board, in the simulator's loop and in a replay. docs/flight.md describes
 /// it.
@@ -31,7 +36,8 @@ struct Devices {
 /// and the operator's words. No heap, no clock, no threads.
 class Companion {
  public:
-  static constexpr std::size_t kNotes = 32;
+  static constexpr std::uint32_t kNotes = Journal::kNotes;
+  static constexpr std::size_t kMostWords = 16;  ///< of the operator, in one step
 
   /// `map` outlives the companion, as do the devices and the memory.
   Companion(const Settings& settings, const BoxGraphView& map, const Memory& memory, const Devices& devices);
@@ -64,17 +70,67 @@ class Companion {
   [[nodiscard]] const FlightEvent& event(std::uint32_t n) const { return supervisor_.event(n); }
 
   /// Lines for people; the newest kNotes are kept, note(n) for note_count() - kNotes <= n < note_count().
-  [[nodiscard]] std::uint32_t note_count() const { return note_count_; }
-  [[nodiscard]] const Note& note(std::uint32_t n) const { return notes_[n % kNotes]; }
+  [[nodiscard]] std::uint32_t note_count() const { return journal_.count(); }
+  [[nodiscard]] const Note& note(std::uint32_t n) const { return journal_.note(n); }
 
  private:
+  using Microseconds = std::chrono::microseconds;
+  enum ParameterIndex : std::size_t { kSpeed, kAcceleration, kMapRadius, kRequiredRadius, kParameterCount };
+
+  static mavlink::LinkConfig link_config(const Settings& settings, std::span<mavlink::Parameter> parameters);
+  static std::array<mavlink::Parameter, kParameterCount> make_parameters(const Settings& settings);
+  static SupervisorSettings supervisor_settings(const Settings& settings);
+  bool tell(const Word& word);
+
+  // The stages of a step, in their order.
+  void receive(Microseconds now);
+  void take_goal();
+  void take_commands();
+  void take_texts();
+  void take_parameters();
+  void obey();
+  void carry_out(const Word& word);
+  Decision decide();
+  void follow(const Decision& decision);
+  void steer(const Decision& decision);
+  void plan(const Decision& decision);
+  void end_plan();
+  void report(const Decision& decision);
+
+  void read_estimate();
+  void note_events();
+  void check_map(const BoxGraphView& map);
+  void change_limits(Real v_max, Real a_max);
+  void block_box(const Word& word);
+  [[nodiscard]] TimeUs last_message() const;
+  [[nodiscard]] TimeUs link_delay() const;
+
   Settings settings_;
-  BoxGraphView map_;
+  std::array<mavlink::Parameter, kParameterCount> parameters_;
   mavlink::Link link_;
+  Journal journal_;
   Supervisor supervisor_;
+  TrajectoryStore store_;
+  Replanner replanner_;
+  Mission mission_;
+  Steering steering_;
+  mavlink::Ring<Word, kMostWords> words_;
+
+  TimeUs now_ = 0;
+  bool margins_covered_ = false;
+  VehicleState estimate_;  // frame W
+  bool has_estimate_ = false;
+  bool new_estimate_ = false;
+  bool estimate_refused_ = false;
+  std::uint32_t estimates_ = 0;
+  std::uint32_t refused_estimates_ = 0;
+  TimeUs last_setpoint_ = 0;
+  bool wants_plan_ = false;
+  TimeUs plan_wanted_since_ = 0;
+  std::optional<mavlink::Goal> last_link_goal_;
+  std::uint32_t parameter_changes_ = 0;
+  std::uint32_t noted_events_ = 0;
   Telemetry telemetry_;
-  std::uint32_t note_count_ = 0;
-  std::array<Note, kNotes> notes_;
 };
 
 }  // namespace swiftlet::companion

@@ -1,4 +1,4 @@
-#include "plan_worker.hpp"
+#include "companion/plan_worker.hpp"
 
 namespace swiftlet::companion {
 

@@ -80,4 +80,7 @@ struct Settings {
 /// Whether every number is finite and in range; what is wrong otherwise, nullptr when nothing is.
 const char* find_fault(const Settings& settings);
 
+/// The margin ledger for the form in use against the radius [m] that a map was inflated by.
+MarginReport margins_of(const Settings& settings, Real map_radius);
+
 }  // namespace swiftlet::companion

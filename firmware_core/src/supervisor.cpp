@@ -161,7 +161,10 @@ Reason Supervisor::start_fault(const SupervisorInputs& inputs) const {
 /// What ends our control at once.
 Reason Supervisor::yield_fault(const SupervisorInputs& inputs) const {
   if (inputs.autopilot_boots != boots_) return Reason::kAutopilotRestart;
-  if (!inputs.in_our_mode) return inputs.landing ? Reason::kLandingRequested : Reason::kPilotTookOver;
+  if (!inputs.in_our_mode) {
+    if (!inputs.landing) return Reason::kPilotTookOver;
+    return inputs.engage ? Reason::kLandingRequested : Reason::kReleased;
+  }
   if (age(inputs.last_message, inputs.now) > settings_.link_age_max) return Reason::kLinkLost;
   if (age(inputs.last_setpoint, inputs.now) > settings_.setpoint_age_yield) return Reason::kSetpointStarved;
   return Reason::kNone;

@@ -201,6 +201,7 @@ void Link::take(const Odometry& message) {
   const bool known_frames = velocity_in_body || message.child_frame == kFrameLocalNed;
   if (!attitude.has_value() || message.frame != kFrameLocalNed || !known_frames) {
     ++counters_.refused_values;
+    if (!attitude.has_value()) ++local_.refused_count;
     return;
   }
   const NedVector velocity{velocity_in_body ? Vector3(*attitude * message.velocity_child) : message.velocity_child};
@@ -213,6 +214,7 @@ void Link::take(const Odometry& message) {
 void Link::set_position(const Vector3& position, const Vector3& velocity, microseconds sampled_at) {
   if (!position.allFinite() || !velocity.allFinite()) {
     ++counters_.refused_values;
+    ++local_.refused_count;
     return;
   }
   local_.has_position = true;
@@ -227,6 +229,7 @@ void Link::set_attitude(const Quaternion& attitude, const Vector3& body_rates, m
   const std::optional<Quaternion> rotation = as_rotation(attitude);
   if (!rotation.has_value() || !body_rates.allFinite()) {
     ++counters_.refused_values;
+    ++local_.refused_count;
     return;
   }
   local_.has_attitude = true;
@@ -270,9 +273,13 @@ VehicleState Link::vehicle() const {
 bool Link::align(const Vector3& position, Real yaw) {
   if (!local_.has_position || !local_.has_attitude) return false;
   if (!position.allFinite() || !std::isfinite(yaw)) return false;
-  alignment_ = Alignment(local_.position, yaw_of(local_.attitude), position, yaw);
-  aligned_ = true;
+  align(Alignment(local_.position, yaw_of(local_.attitude), position, yaw));
   return true;
+}
+
+void Link::align(const Alignment& alignment) {
+  alignment_ = alignment;
+  aligned_ = true;
 }
 
 // ---- Requests to the autopilot

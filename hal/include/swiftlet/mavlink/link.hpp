@@ -71,6 +71,7 @@ struct VehicleState {
   Vector3 position = Vector3::Zero();  ///< [m]
   Vector3 velocity = Vector3::Zero();  ///< [m/s]
   std::uint8_t reset_counter = 0;      ///< ODOMETRY: jumps of the estimate.
+  std::uint32_t refused_count = 0;     ///< Estimates with numbers that are not finite or no rotation.
 
   bool has_attitude = false;
   std::chrono::microseconds attitude_received_at{0};
@@ -175,6 +176,8 @@ class Link {
   // Alignment: done once, at arming, when the estimate stops to drift.
   /// The vehicle now stands at `position` with `yaw` in W. False, and nothing changed, without an estimate.
   bool align(const Vector3& position, Real yaw);
+  /// The same from a pose that the application has averaged.
+  void align(const Alignment& alignment);
   [[nodiscard]] const Alignment& alignment() const { return alignment_; }
   [[nodiscard]] bool aligned() const { return aligned_; }
 
