@@ -62,9 +62,8 @@ void Companion::check_map(const BoxGraphView& map) {
   parameters_[kMapRadius].value = static_cast<float>(map.header().radius);
   parameters_[kRequiredRadius].value = static_cast<float>(report.required);
   if (margins_covered_) return;
-  Line line("no flight in this map: ");
-  line << describe(report.verdict) << ", radius " << static_cast<Real>(map.header().radius) << " m, needed "
-       << report.required << " m";
+  Line line("no flight in this map: its radius is ");
+  line << static_cast<Real>(map.header().radius) << " m, the margins need " << report.required << " m";
   journal_.warn(line);
 }
 

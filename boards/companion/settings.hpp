@@ -29,8 +29,8 @@ struct Margins {
 /// [us]. The reference is sampled that much ahead.
 struct CommandDelays {
   TimeUs position = 150'000;  ///< PX4's position loop was seen 0.16 to 0.22 s late
-  TimeUs attitude = 0;        ///< the predictor's response time knows the attitude loop's lag
-  TimeUs rates = 0;
+  TimeUs attitude = 30'000;   ///< the motors, beyond what the predictor knows
+  TimeUs rates = 10'000;
 };
 
 /// Gains and bounds of the controller by the form in use; the position form leaves control to the autopilot.

@@ -25,13 +25,15 @@ using tools::PixhawkSimSettings;
 constexpr Capacity kCapacity{.segments = 128, .search_nodes = 16'384};
 const Vector3 kStart{0.48, 0.48, 0};
 
-std::vector<std::byte> classroom_blob(double radius) {
-  const std::string bt = tools::to_bt(tools::make_classroom(1).grid);
-  const auto voxels = tools::parse_octree("classroom.bt", std::as_bytes(std::span(bt)));
+std::vector<std::byte> blob_of(const tools::VoxelGrid& grid, double radius) {
+  const std::string bt = tools::to_bt(grid);
+  const auto voxels = tools::parse_octree("world.bt", std::as_bytes(std::span(bt)));
   tools::MapBuildOptions options;
   options.radius = radius;
-  return tools::build_map(*voxels, "classroom.bt", options, [](std::string_view, double) {})->blob;
+  return tools::build_map(*voxels, "world.bt", options, [](std::string_view, double) {})->blob;
 }
+
+std::vector<std::byte> classroom_blob(double radius) { return blob_of(tools::make_classroom(1).grid, radius); }
 
 const BoxGraphView& classroom() {
   static const std::vector<std::byte> blob = classroom_blob(0.3);
@@ -59,6 +61,42 @@ PixhawkSimSettings usual_sim() {
   return sim;
 }
 
+/// A hall of 12.8 x 12.8 x 3.2 m with a pillar, for the position form's wide tube.
+const BoxGraphView& hall() {
+  static const std::vector<std::byte> blob = [] {
+    tools::VoxelGrid grid({40, 40, 10}, 0.32);
+    grid.fill({{15, 15, 0}, {16, 16, 9}}, true);
+    return blob_of(grid, 0.7);
+  }();
+  static const BoxGraphView view = *BoxGraphView::open(blob);
+  return view;
+}
+
+/// What the companion reads and writes, with a tap for a ground station on the same line.
+class TappedUart final : public hal::Uart {
+ public:
+  explicit TappedUart(PixhawkSim& sim) : line_(sim) {}
+  std::size_t write(std::span<const std::byte> bytes) override {
+    written.insert(written.end(), bytes.begin(), bytes.end());
+    return line_.write(bytes);
+  }
+  std::size_t read(std::span<std::byte> into) override {
+    if (injected.empty()) return line_.read(into);
+    const std::size_t count = std::min(into.size(), injected.size());
+    std::copy_n(injected.begin(), count, into.begin());
+    injected.erase(injected.begin(), injected.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+  [[nodiscard]] std::uint32_t overruns() const override { return 0; }
+  void advance(std::chrono::microseconds duration) { line_.advance(duration); }
+
+  std::vector<std::byte> written;
+  std::vector<std::byte> injected;
+
+ private:
+  LockstepUart line_;
+};
+
 /// Companion, simulated vehicle and the operator.
 class Rig {
  public:
@@ -75,22 +113,17 @@ class Rig {
 
  public:
   PixhawkSim sim;
-  LockstepUart uart;
+  TappedUart uart;
   InlineWorker worker;
   Companion companion;
   double worst_error = 0;  // [m] reference to truth, in the mission
-  double square_sum = 0;
-  int samples = 0;
 
   void step() {
     uart.advance(milliseconds(10));
     companion.step(sim.time());
     const Telemetry& t = companion.telemetry();
     if (t.phase != Phase::kMission) return;
-    const double error = (t.reference.sample.position - sim.simulation().truth().position).norm();
-    worst_error = std::max(worst_error, error);
-    square_sum += error * error;
-    ++samples;
+    worst_error = std::max(worst_error, (t.reference.sample.position - sim.simulation().truth().position).norm());
   }
   void run(double seconds) {
     for (int i = 0; i < std::lround(seconds * 100); ++i) step();
@@ -116,24 +149,388 @@ class Rig {
     }
     return all;
   }
-  [[nodiscard]] double rms() const { return std::sqrt(square_sum / std::max(samples, 1)); }
+  PlannerSpans planner_spans() { return planner_memory_->spans(); }
 };
 
+/// Somebody else on the companion's line.
+class GroundStation {
+ public:
+  explicit GroundStation(Rig& rig) : rig_(rig) {}
+
+  void send_goal(const Vector3& p_W) {
+    mavlink::SetPositionTarget target;
+    target.target = {1, mavlink::kPathPlannerComponent};
+    target.frame = mavlink::kFrameLocalFlu;
+    target.type_mask =
+        mavlink::kIgnoreVelocity | mavlink::kIgnoreAcceleration | mavlink::kIgnoreYaw | mavlink::kIgnoreYawRate;
+    target.position.value = p_W;
+    put(codec_.encode(target));
+  }
+  void send_command(std::uint16_t command) {
+    put(codec_.encode(mavlink::CommandLong{{1, mavlink::kPathPlannerComponent}, command, 0, {}}));
+  }
+  /// Whether the companion has ever sent such a text.
+  bool heard(std::string_view words) {
+    mavlink::Codec reader({255, 190});
+    std::span<const std::byte> bytes(rig_.uart.written);
+    std::string all;
+    while (const auto frame = reader.receive(bytes)) {
+      if (const auto text = mavlink::decode<mavlink::StatusText>(*frame)) all += mavlink::text_of(text->text);
+    }
+    return all.find(words) != std::string::npos;
+  }
+
+ private:
+  void put(std::span<const std::byte> frame) {
+    rig_.uart.injected.insert(rig_.uart.injected.end(), frame.begin(), frame.end());
+  }
+
+  Rig& rig_;
+  mavlink::Codec codec_{{255, 190}};
+};
+
+constexpr Real kTube = 0.15;
+const Vector3 kFar{3.5, 2.5, 0.8};
+const Vector3 kSide{1.0, 2.6, 1.0};
+const Vector3 kBack{0.6, 0.6, 0.8};
+const Vector3 kInTheScreen{0.6, 2.6, 1.2};
+
+bool is_done(const Telemetry& t) { return t.phase == Phase::kDone; }
+bool is_flying(const Telemetry& t) { return t.state == FlightState::kFlying; }
+bool is_holding(const Telemetry& t) { return t.state == FlightState::kHolding; }
+bool has_yielded(const Telemetry& t) { return t.state == FlightState::kYielded; }
+
+// ---- The flight as it should be
+
 TEST(Companion, FliesGoalsInARowAndLands) {
-  for (const SetpointForm form : {SetpointForm::kAttitude, SetpointForm::kRates, SetpointForm::kPosition}) {
+  for (const SetpointForm form : {SetpointForm::kAttitude, SetpointForm::kRates}) {
     Settings settings = usual_settings();
     settings.form = form;
-    settings.margins.tubes.position = 0.17;
     settings.land_at_end = true;
     Rig rig(settings);
     ASSERT_TRUE(rig.take_off()) << rig.notes();
-    EXPECT_TRUE(rig.companion.add_goal({3.5, 2.5, 0.8}));
-    EXPECT_TRUE(rig.companion.add_goal({0.6, 2.6, 1.2}));
-    EXPECT_TRUE(rig.companion.add_goal({0.6, 0.6, 0.8}));
-    EXPECT_TRUE(rig.run_until(90, [](const Telemetry& t) { return t.phase == Phase::kDone; })) << rig.notes();
+    for (const Vector3& goal : {kFar, kSide, kBack}) EXPECT_TRUE(rig.companion.add_goal(goal));
+    EXPECT_TRUE(rig.run_until(90, is_done)) << rig.notes();
     EXPECT_EQ(rig.companion.telemetry().goals_reached, 3U) << rig.notes();
-    std::printf("%d: rms %.3f max %.3f\n%s", static_cast<int>(form), rig.rms(), rig.worst_error, rig.notes().c_str());
+    EXPECT_EQ(rig.sim.simulation().autopilot().armed(), false);
+    EXPECT_LT(rig.worst_error, 0.25) << rig.notes();
+    EXPECT_EQ(rig.companion.telemetry().link.refused_setpoints, 0U);
+    EXPECT_GE(rig.companion.telemetry().plan.id, 3U);
   }
+}
+
+TEST(Companion, FliesOnThePositionFormInAMapThatCoversItsTube) {
+  Settings settings = usual_settings();
+  settings.form = SetpointForm::kPosition;
+  settings.start = {3.2, 3.2, 0};
+  PixhawkSimSettings sim = usual_sim();
+  sim.simulation.start = settings.start;
+  Rig rig(settings, sim, hall());
+  ASSERT_TRUE(rig.take_off()) << rig.notes();
+  EXPECT_TRUE(rig.companion.add_goal({7, 3.2, 1.2}));
+  EXPECT_TRUE(rig.companion.add_goal({7, 7, 1.2}));
+  EXPECT_TRUE(rig.run_until(60, [](const Telemetry& t) { return t.goals_reached == 2; })) << rig.notes();
+  EXPECT_LT(rig.worst_error, 0.5);
+}
+
+TEST(Companion, IsADeterministicFunctionOfWhatEnters) {
+  std::vector<double> paths[2];
+  for (std::vector<double>& path : paths) {
+    Rig rig;
+    ASSERT_TRUE(rig.take_off());
+    EXPECT_TRUE(rig.companion.add_goal(kFar));
+    rig.run(5);
+    for (const double x : rig.companion.telemetry().command.body_rates) path.push_back(x);
+    path.push_back(static_cast<double>(rig.companion.telemetry().link.sent_bytes));
+  }
+  EXPECT_EQ(paths[0], paths[1]);
+}
+
+TEST(Companion, FramesAreTiedAtArmingThoughTheOriginDriftsBefore) {
+  Rig rig;
+  rig.run(30);  // drift
+  ASSERT_TRUE(rig.take_off()) << rig.notes();
+  const Vector3 truth = rig.sim.simulation().truth().position;
+  EXPECT_LT((rig.companion.telemetry().estimate.position - truth).norm(), 0.1);
+}
+
+TEST(Companion, ASecondFlightStartsWhereTheFirstOneEnded) {
+  Settings settings = usual_settings();
+  settings.land_at_end = true;
+  Rig rig(settings);
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal({2, 2.6, 1}));
+  ASSERT_TRUE(rig.run_until(60, is_done)) << rig.notes();
+  ASSERT_TRUE(rig.take_off()) << rig.notes();
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(60, is_done)) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().goals_reached, 1U);
+  EXPECT_LT((rig.sim.simulation().truth().position - kFar).head<2>().norm(), 0.4);
+}
+
+TEST(Companion, AGoalsYawIsTakenUpThere) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar, 2.0));
+  ASSERT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+  EXPECT_NEAR(tools::yaw_of(rig.sim.simulation().truth().attitude), 2.0, 0.15);
+  rig.run(2);
+  EXPECT_NEAR(tools::yaw_of(rig.sim.simulation().truth().attitude), 2.0, 0.15);
+}
+
+// ---- Replanning
+
+TEST(Companion, ANewGoalIsFlownToFromTheReferencesMotionWithinAStep) {
+  Rig rig(usual_settings(), usual_sim(), classroom(), 0);
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(0.6);
+  EXPECT_TRUE(rig.companion.set_goal(kBack));
+  rig.step();
+  EXPECT_EQ(rig.companion.telemetry().plan.id, 2U) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().plan.latency, 0);
+  EXPECT_GT(rig.companion.telemetry().plan.from.velocity.norm(), 0.2);
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+  EXPECT_LT((rig.companion.telemetry().estimate.position - kBack).norm(), kTube);
+}
+
+TEST(Companion, NewLimitsReplanWhatIsUnderWay) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(0.3);
+  EXPECT_TRUE(rig.companion.set_limits(0.5, 2));
+  EXPECT_FALSE(rig.companion.set_limits(-1, 2));
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+  EXPECT_LE(rig.companion.telemetry().plan.certificate.max_speed.maxCoeff(), 0.5 + 1e-6);
+}
+
+TEST(Companion, ABlockedBoxIsFlownAroundOrStoppedBefore) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(0.5);
+  const Vector3 ahead = kFar - Vector3{0.2, 0.2, 0};
+  EXPECT_TRUE(rig.companion.block(7, {ahead - Vector3::Constant(0.1), ahead + Vector3::Constant(0.1)}));
+  ASSERT_TRUE(rig.run_until(30, is_holding)) << rig.notes();
+  rig.run(1);
+  EXPECT_GT((rig.sim.simulation().truth().position - ahead).norm(), 0.35) << rig.notes();
+  EXPECT_TRUE(rig.companion.unblock(7));
+  EXPECT_TRUE(rig.companion.unblock(8));
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+}
+
+TEST(Companion, ALatePlanIsDiscardedAndTheFlightHolds) {
+  Rig rig(usual_settings(), usual_sim(), classroom(), 8);  // 80 ms; the splice lies 50 ms ahead
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  rig.run(1);
+  EXPECT_GT(rig.companion.telemetry().deadline_misses, 3U);
+  EXPECT_EQ(rig.companion.telemetry().plan.id, 0U);
+  EXPECT_EQ(rig.companion.telemetry().state, FlightState::kHolding);
+}
+
+// ---- Words that are refused, and others
+
+TEST(Companion, AGoalThatIsNotFreeIsRefusedWithAReasonAndTheFlightHolds) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kInTheScreen));
+  EXPECT_FALSE(rig.companion.add_goal({NAN, 0, 0}));
+  rig.run(0.5);
+  EXPECT_NE(rig.notes().find("refused: goal_not_free"), std::string::npos);
+  EXPECT_EQ(rig.companion.telemetry().goals_waiting, 0U);
+  EXPECT_EQ(rig.companion.telemetry().state, FlightState::kHolding);
+}
+
+TEST(Companion, AGoalWithoutAWayIsGivenUpWithAReasonAndTheFlightHolds) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.block(1, {{1.8, -1, -1}, {1.9, 5, 5}}));  // a wall
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  rig.run(0.5);
+  EXPECT_NE(rig.notes().find("given up: no_path"), std::string::npos) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().state, FlightState::kHolding);
+}
+
+TEST(Companion, MoreGoalsThanThereIsRoomForAreRefused) {
+  Rig rig;
+  rig.run(0.1);
+  for (std::size_t i = 0; i < kMostGoals; ++i) EXPECT_TRUE(rig.companion.add_goal(kFar));
+  EXPECT_FALSE(rig.companion.add_goal(kFar));  // too many words for a step
+  rig.step();
+  EXPECT_TRUE(rig.companion.add_goal(kBack));
+  rig.step();
+  EXPECT_EQ(rig.companion.telemetry().goals_waiting, kMostGoals);
+  EXPECT_NE(rig.notes().find("too many goals"), std::string::npos);
+}
+
+TEST(Companion, AMapThatDoesNotCoverTheMarginsIsNotFlown) {
+  Settings settings = usual_settings();
+  settings.margins.vehicle_radius = 0.13;
+  Rig rig(settings);
+  EXPECT_FALSE(rig.take_off());
+  EXPECT_EQ(rig.companion.telemetry().state, FlightState::kIdle);
+  EXPECT_EQ(rig.companion.telemetry().reason, Reason::kMarginsTooSmall);
+  EXPECT_NE(rig.notes().find("the margins need 0.31 m"), std::string::npos) << rig.notes();
+  EXPECT_FALSE(rig.sim.simulation().autopilot().armed());
+}
+
+TEST(Companion, NothingFreeAboveTheStartIsNoStart) {
+  Settings settings = usual_settings();
+  settings.start = {-5, 0, 0};
+  Rig rig(settings);
+  EXPECT_FALSE(rig.take_off());
+  EXPECT_NE(rig.notes().find("nothing is free above the start"), std::string::npos) << rig.notes();
+  EXPECT_FALSE(rig.sim.simulation().autopilot().armed());
+}
+
+TEST(Companion, StopBrakesAndForgetsTheGoals) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  EXPECT_TRUE(rig.companion.add_goal(kBack));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(1);
+  EXPECT_TRUE(rig.companion.stop());
+  ASSERT_TRUE(rig.run_until(3, is_holding)) << rig.notes();
+  const Vector3 stopped = rig.companion.telemetry().reference.sample.position;
+  rig.run(3);
+  EXPECT_EQ((rig.companion.telemetry().reference.sample.position - stopped).norm(), 0);
+  EXPECT_TRUE(rig.companion.add_goal(kBack));
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+}
+
+TEST(Companion, LandBrakesAndLandsByTheAutopilotsMode) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(1);
+  EXPECT_TRUE(rig.companion.land());
+  ASSERT_TRUE(rig.run_until(30, is_done)) << rig.notes();
+  EXPECT_TRUE(rig.sim.simulation().quadrotor().on_ground());
+  EXPECT_NE(rig.notes().find("yielded: landing requested"), std::string::npos) << rig.notes();
+  rig.run(3);
+  EXPECT_FALSE(rig.sim.simulation().autopilot().armed());
+}
+
+TEST(Companion, ReleaseLetsTheAutopilotHold) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.engage(false));
+  ASSERT_TRUE(rig.run_until(5, has_yielded)) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().reason, Reason::kReleased);
+  const auto sent = rig.companion.telemetry().link.sent_frames;
+  rig.run(5);
+  EXPECT_LT(rig.companion.telemetry().link.sent_frames - sent, 120U);  // heartbeats and time, no set-points
+  EXPECT_EQ(rig.sim.simulation().autopilot().mode(), tools::FlightMode::kLoiter);
+  EXPECT_GT(rig.sim.simulation().truth().position.z(), 0.5);
+  EXPECT_TRUE(rig.companion.engage(true));
+  EXPECT_TRUE(rig.run_until(5, is_holding)) << rig.notes();
+}
+
+// ---- Faults
+
+TEST(Companion, ASilentLinkEndsInYielding) {
+  PixhawkSimSettings sim = usual_sim();
+  sim.faults = {*tools::parse_fault("cut@14")};
+  Rig rig(usual_settings(), sim);
+  ASSERT_TRUE(rig.take_off()) << rig.notes();
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(10, has_yielded)) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().reason, Reason::kLinkLost);
+}
+
+TEST(Companion, ThePilotWinsAndOnlyTheOperatorTakesControlBack) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.sim.simulation().autopilot().take_over(tools::FlightMode::kPosctl);
+  ASSERT_TRUE(rig.run_until(1, has_yielded)) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().reason, Reason::kPilotTookOver);
+  rig.run(5);
+  EXPECT_EQ(rig.sim.simulation().autopilot().mode(), tools::FlightMode::kPosctl);
+  EXPECT_TRUE(rig.companion.engage(true));
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+}
+
+TEST(Companion, AnAutopilotThatRestartsIsLetGoAndItsFrameForgotten) {
+  PixhawkSimSettings sim = usual_sim();
+  sim.faults = {*tools::parse_fault("restart@14+0.5")};
+  Rig rig(usual_settings(), sim);
+  ASSERT_TRUE(rig.take_off()) << rig.notes();
+  ASSERT_TRUE(rig.run_until(10, [](const Telemetry& t) {
+    return t.state == FlightState::kYielded || t.state == FlightState::kLanded;
+  })) << rig.notes();
+  EXPECT_FALSE(rig.companion.telemetry().aligned);
+}
+
+TEST(Companion, ACompanionThatStartsInTheAirHoldsWhereItIsAndFliesNowhere) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  Settings settings = usual_settings();
+  settings.engage_at_start = true;
+  InlineWorker worker(rig.planner_spans());
+  static CompanionStorage<kCapacity> memory;
+  Companion second(settings, classroom(), memory.memory(), {rig.uart, worker});
+  rig.uart.advance(milliseconds(1500));  // OFFBOARD is lost meanwhile
+  const Vector3 before = rig.sim.simulation().truth().position;
+  for (int i = 0; i < 500; ++i) {
+    rig.uart.advance(milliseconds(10));
+    second.step(rig.sim.time());
+    if (i == 300) {
+      EXPECT_TRUE(second.add_goal(kFar));
+    }
+  }
+  EXPECT_EQ(second.telemetry().state, FlightState::kHolding);
+  EXPECT_EQ(rig.sim.simulation().autopilot().mode(), tools::FlightMode::kOffboard);
+  EXPECT_FALSE(second.telemetry().aligned);
+  EXPECT_EQ(second.telemetry().plan.id, 0U);
+  EXPECT_LT((rig.sim.simulation().truth().position - before).norm(), 0.6);
+  EXPECT_TRUE(second.land());
+  for (int i = 0; i < 1500; ++i) {
+    rig.uart.advance(milliseconds(10));
+    second.step(rig.sim.time());
+  }
+  EXPECT_EQ(second.telemetry().phase, Phase::kDone);
+}
+
+TEST(Companion, AMapReplacedUnderWayStopsTheFlightAndItGoesOnInTheNewOne) {
+  static const std::vector<std::byte> blob = classroom_blob(0.29);
+  const BoxGraphView other = *BoxGraphView::open(blob);
+  static const std::vector<std::byte> tight_blob = classroom_blob(0.2);
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(1);
+  EXPECT_FALSE(rig.companion.replace_map(*BoxGraphView::open(tight_blob)));
+  EXPECT_TRUE(rig.companion.replace_map(other));
+  ASSERT_TRUE(rig.run_until(0.1, [](const Telemetry& t) { return t.state == FlightState::kBraking; })) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().reason, Reason::kMapReplaced);
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().plan.map_crc, other.header().crc32);
+}
+
+// ---- The link's other side
+
+TEST(Companion, AGroundStationsGoalIsFlownToAndARefusedOneIsAnswered) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  GroundStation station(rig);
+  station.send_goal(kFar);
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+  station.send_goal(kInTheScreen);
+  rig.run(0.2);
+  EXPECT_TRUE(station.heard("refused: goal_not_free"));
+  station.send_command(21);  // MAV_CMD_NAV_LAND
+  EXPECT_TRUE(rig.run_until(30, is_done)) << rig.notes();
 }
 
 }  // namespace
