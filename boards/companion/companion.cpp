@@ -34,6 +34,8 @@ mavlink::LinkConfig Companion::link_config(const Settings& settings, std::span<m
   mavlink::LinkConfig config;
   config.system_id = settings.system_id;
   config.parameters = parameters;
+  config.signing = settings.signing;
+  config.autopilot_signs = settings.autopilot_signs;
   return config;
 }
 
@@ -69,39 +71,40 @@ void Companion::check_map(const BoxGraphView& map) {
 
 // ---- The operator
 
-bool Companion::tell(const Word& word) { return words_.try_push_back(word); }
+bool Companion::tell(const Word& word) {
+  const bool finite = word.a.allFinite() && word.b.allFinite() && (!word.yaw || std::isfinite(*word.yaw));
+  if (word.kind == Word::Kind::kLimits) {
+    FlightLimits limits = settings_.limits;
+    limits.v_max = word.a.x();
+    limits.a_max = word.a.y();
+    if (!is_usable(limits)) return false;
+  }
+  return finite && words_.try_push_back(word);
+}
 
 bool Companion::add_goal(const Vector3& position, std::optional<Real> yaw) {
-  if (!position.allFinite() || (yaw && !std::isfinite(*yaw))) return false;
   return tell({.kind = Word::Kind::kAddGoal, .a = position, .yaw = yaw});
 }
-
 bool Companion::set_goal(const Vector3& position, std::optional<Real> yaw) {
-  if (!position.allFinite() || (yaw && !std::isfinite(*yaw))) return false;
   return tell({.kind = Word::Kind::kSetGoal, .a = position, .yaw = yaw});
 }
-
 bool Companion::engage(bool on) { return tell({.kind = on ? Word::Kind::kEngage : Word::Kind::kRelease}); }
 bool Companion::stop() { return tell({.kind = Word::Kind::kStop}); }
 bool Companion::land() { return tell({.kind = Word::Kind::kLand}); }
-
 bool Companion::block(std::uint32_t id, const Box& obstacle) {
-  if (!obstacle.lo.allFinite() || !obstacle.hi.allFinite()) return false;
   return tell({.kind = Word::Kind::kBlock, .id = id, .a = obstacle.lo, .b = obstacle.hi});
 }
-
 bool Companion::unblock(std::uint32_t id) { return tell({.kind = Word::Kind::kUnblock, .id = id}); }
-
 bool Companion::set_limits(Real v_max, Real a_max) {
-  FlightLimits limits = settings_.limits;
-  limits.v_max = v_max;
-  limits.a_max = a_max;
-  return is_usable(limits) && tell({.kind = Word::Kind::kLimits, .a = {v_max, a_max, 0}});
+  return tell({.kind = Word::Kind::kLimits, .a = {v_max, a_max, 0}});
 }
 
 bool Companion::replace_map(const BoxGraphView& map) {
   const MarginReport report = margins_of(settings_, static_cast<Real>(map.header().radius));
-  if (report.verdict != MarginVerdict::kCovered) return false;
+  if (report.verdict != MarginVerdict::kCovered) {
+    journal_.warn("the new map is refused: its radius does not cover the margins");
+    return false;
+  }
   check_map(map);
   if (replanner_.replace_map(map) != Status::kOk) journal_.warn("not every blocked box fits into the new map");
   mission_.plan_anew();

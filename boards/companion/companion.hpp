@@ -57,6 +57,7 @@ class Companion {
   bool block(std::uint32_t id, const Box& obstacle);  ///< [m] frame W; keep out of it and the map's radius around
   bool unblock(std::uint32_t id);
   bool set_limits(Real v_max, Real a_max);  ///< [m/s] [m/s^2]; replans what is under way
+  bool tell(const Word& word);              ///< any of the above
 
   /// Another map from the next step on: the vehicle stops and plans anew. False, nothing having changed, when its
   /// radius does not cover the margins. Both maps outlive the companion.
@@ -80,7 +81,6 @@ class Companion {
   static mavlink::LinkConfig link_config(const Settings& settings, std::span<mavlink::Parameter> parameters);
   static std::array<mavlink::Parameter, kParameterCount> make_parameters(const Settings& settings);
   static SupervisorSettings supervisor_settings(const Settings& settings);
-  bool tell(const Word& word);
 
   // The stages of a step, in their order.
   void receive(Microseconds now);

@@ -8,6 +8,7 @@
 #include "swiftlet/flight_time.hpp"
 #include "swiftlet/hover_thrust.hpp"
 #include "swiftlet/margin_ledger.hpp"
+#include "swiftlet/mavlink/codec.hpp"
 #include "swiftlet/supervisor.hpp"
 #include "swiftlet/tracking_controller.hpp"
 #include "swiftlet/trajectory_planner.hpp"
@@ -75,6 +76,10 @@ struct Settings {
   PredictorSettings predictor;
   HoverThrustSettings hover_thrust;
   SupervisorSettings supervisor;  ///< its tracking tube is taken from `margins`
+
+  // Not in the configuration file: a key has a file of its own.
+  std::optional<mavlink::Signing> signing{};
+  bool autopilot_signs = false;
 };
 
 /// Whether every number is finite and in range; what is wrong otherwise, nullptr when nothing is.

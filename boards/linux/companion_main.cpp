@@ -1,0 +1,321 @@
+// The program `companion`: flies a vehicle over a MAVLink link, from goal to goal through a map.
+#include <poll.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <list>
+#include <memory>
+
+#include "board_config.hpp"
+#include "cli/arguments.hpp"
+#include "cli/config_file.hpp"
+#include "cli/failure.hpp"
+#include "linux/console.hpp"
+#include "linux/flight_loop.hpp"
+#include "linux/thread_worker.hpp"
+#include "map/file_io.hpp"
+#include "swiftlet/hal/posix_uart.hpp"
+#include "swiftlet/version.hpp"
+
+namespace swiftlet::board {
+namespace {
+
+using tools::ExitStatus;
+using tools::Failure;
+
+constexpr std::uint32_t kUsualBaud = 921'600;
+constexpr std::chrono::milliseconds kPlanPatience{5};  // half a step
+constexpr int kLookPeriodMs = 100;
+constexpr int kLooksToLetGo = 40;
+
+struct Options {
+  std::string map;
+  std::string port;
+  std::string config;
+  std::string key;
+  bool autopilot_signs = false;
+};
+
+volatile std::sig_atomic_t interrupted = 0;  // NOLINT: a signal handler can reach nothing else
+
+// ---- Files
+
+struct LoadedMap {
+  std::vector<std::byte> bytes;  // in memory: a file that is replaced under way harms nobody
+  BoxGraphView graph;
+};
+
+LoadedMap load_map(const std::string& path) {
+  LoadedMap map{tools::unwrap(tools::read_file(path)), {}};
+  const Result<BoxGraphView> graph = BoxGraphView::open(map.bytes);
+  if (!graph.ok()) throw Failure{ExitStatus::kBadFile, path + ": " + describe(graph.status())};
+  map.graph = *graph;
+  return map;
+}
+
+std::uint8_t hex_digit(const std::string& path, std::byte digit) {
+  const auto c = std::to_integer<char>(digit);
+  if (c >= '0' && c <= '9') return static_cast<std::uint8_t>(c - '0');
+  if (c >= 'a' && c <= 'f') return static_cast<std::uint8_t>(c - 'a' + 10);
+  if (c >= 'A' && c <= 'F') return static_cast<std::uint8_t>(c - 'A' + 10);
+  throw Failure{ExitStatus::kBadFile, path + ": is not a key: 64 hexadecimal digits are needed"};
+}
+
+/// A key of 64 hexadecimal digits. Signing times count from 2015 and must never repeat, so the time of day starts them.
+mavlink::Signing load_key(const std::string& path) {
+  std::vector<std::byte> text = tools::unwrap(tools::read_file(path));
+  while (!text.empty() && (text.back() == std::byte{'\n'} || text.back() == std::byte{'\r'})) text.pop_back();
+  mavlink::Signing signing;
+  if (text.size() != 2 * signing.key.size()) (void)hex_digit(path, std::byte{0});
+  for (std::size_t i = 0; i < signing.key.size(); ++i) {
+    signing.key[i] = static_cast<std::byte>(hex_digit(path, text[2 * i]) << 4U | hex_digit(path, text[2 * i + 1]));
+  }
+  constexpr std::chrono::seconds kStart{1'420'070'400};  // 1 January 2015
+  const auto since = std::chrono::system_clock::now().time_since_epoch() - kStart;
+  const auto ticks = std::chrono::duration_cast<std::chrono::microseconds>(since).count() / 10;
+  signing.time = static_cast<std::uint64_t>(std::max<std::int64_t>(ticks, 0));
+  return signing;
+}
+
+// ---- The port
+
+std::vector<std::string> split_at_colons(const std::string& text) {
+  std::vector<std::string> pieces;
+  std::size_t begin = 0;
+  for (std::size_t colon = text.find(':'); colon != std::string::npos; colon = text.find(':', begin)) {
+    pieces.push_back(text.substr(begin, colon - begin));
+    begin = colon + 1;
+  }
+  pieces.push_back(text.substr(begin));
+  return pieces;
+}
+
+std::uint32_t whole_number(const std::string& option, const std::string& text, std::uint32_t most) {
+  const std::optional<double> number = tools::parse_number(text);
+  const bool usable = number && *number >= 1 && *number <= most && *number == static_cast<std::uint32_t>(*number);
+  if (!usable)
+    throw Failure{ExitStatus::kUsage, option + ": '" + text + "' is not a number from 1 to " + std::to_string(most)};
+  return static_cast<std::uint32_t>(*number);
+}
+
+struct Port {
+  hal::SerialPort serial;
+  hal::UdpUart udp;
+  hal::Uart* uart = nullptr;
+};
+
+void open_udp(Port& port, const std::vector<std::string>& pieces) {
+  if (pieces.size() != 2 && pieces.size() != 4)
+    throw Failure{ExitStatus::kUsage, "--port: udp:PORT or udp:PORT:HOST:PORT is needed"};
+  const auto local = static_cast<std::uint16_t>(whole_number("--port", pieces[1], 65535));
+  const bool has_peer = pieces.size() == 4;
+  const std::string host = has_peer ? pieces[2] : "127.0.0.1";
+  const auto remote = static_cast<std::uint16_t>(has_peer ? whole_number("--port", pieces[3], 65535) : 0);
+  if (!port.udp.open(local, host.c_str(), remote)) {
+    throw Failure{ExitStatus::kBadFile, "UDP port " + pieces[1] + " cannot be opened: " + std::strerror(errno)};
+  }
+  port.uart = &port.udp;
+}
+
+/// "DEVICE", "DEVICE:BAUD", "udp:PORT" or "udp:PORT:HOST:PORT".
+void open_port(Port& port, const std::string& text) {
+  const std::vector<std::string> pieces = split_at_colons(text);
+  if (pieces[0] == "udp") return open_udp(port, pieces);
+  const std::size_t colon = text.rfind(':');
+  const std::string device = text.substr(0, colon);
+  const std::uint32_t baud =
+      colon == std::string::npos ? kUsualBaud : whole_number("--port", text.substr(colon + 1), 12'000'000);
+  if (!port.serial.open(device.c_str(), baud)) {
+    throw Failure{ExitStatus::kBadFile,
+                  device + ": cannot be opened at " + std::to_string(baud) + " baud: " + std::strerror(errno)};
+  }
+  port.uart = &port.serial;
+}
+
+// ---- The console
+
+class Console {
+ public:
+  Console(FlightLoop& loop, const ThreadWorker& worker) : loop_(loop), worker_(worker) {}
+
+  /// Shows what happened, then waits a while for lines; false when the program is to end.
+  bool look() {
+    const FlightView view = loop_.look();
+    for (const companion::Note& note : view.notes) print(note);
+    std::fflush(stdout);
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    const int ready = ::poll(&input, reads_ ? 1 : 0, kLookPeriodMs);
+    if (ready > 0 && (input.revents & (POLLIN | POLLHUP)) != 0) read(view);
+    return !quits_;
+  }
+
+ private:
+  static void print(const companion::Note& note) {
+    const bool warns = note.severity <= mavlink::Severity::kWarning;
+    std::printf("%.2f %s%.*s\n", static_cast<double>(note.time) / 1e6, warns ? "! " : "",
+                static_cast<int>(note.view().size()), note.view().data());
+  }
+
+  void read(const FlightView& view) {
+    std::array<char, 512> buffer{};
+    const ssize_t count = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+    if (count <= 0) {
+      reads_ = false;  // no console: the flight goes on
+      return;
+    }
+    pending_.append(buffer.data(), static_cast<std::size_t>(count));
+    for (std::size_t end = pending_.find('\n'); end != std::string::npos; end = pending_.find('\n')) {
+      obey(pending_.substr(0, end), view);
+      pending_.erase(0, end + 1);
+    }
+  }
+
+  void obey(const std::string& line, const FlightView& view) {
+    const std::optional<ConsoleLine> parsed = parse_line(line);
+    if (!parsed) {
+      if (line.find_first_not_of(" \t\r") != std::string::npos)
+        std::printf("not understood: '%s'; try help\n", line.c_str());
+    } else if (const auto* word = std::get_if<companion::Word>(&*parsed)) {
+      loop_.tell(*word);
+    } else if (const auto* map = std::get_if<NewMap>(&*parsed)) {
+      change_map(map->path);
+    } else {
+      answer(std::get<Query>(*parsed), view);
+    }
+  }
+
+  void change_map(const std::string& path) {
+    try {
+      maps_.push_back(load_map(path));
+      loop_.replace_map(maps_.back().graph);
+    } catch (const Failure& failure) {
+      std::printf("! %s\n", failure.line.c_str());
+    }
+  }
+
+  void answer(Query query, const FlightView& view) {
+    if (query == Query::kQuit) quits_ = true;
+    if (query == Query::kHelp) std::printf("%s", kConsoleHelp);
+    if (query == Query::kStatus) print_status(view);
+  }
+
+  void print_status(const FlightView& view) const {
+    const companion::Telemetry& t = view.telemetry;
+    std::printf("%s, %s (%s); mode %s, %s, %s\n", companion::describe(t.phase), describe(t.state), describe(t.reason),
+                mavlink::name_of(t.mode), t.armed ? "armed" : "disarmed", t.aligned ? "aligned" : "not aligned");
+    std::printf("at %s m, error %.3f m, hover thrust %.3f\n", tools::to_text(t.estimate.position).c_str(),
+                static_cast<double>(t.tracking_error), static_cast<double>(t.hover_thrust));
+    std::printf("goals: %u reached, %u waiting; plan %u, the last took %.1f ms; %u discarded\n", t.goals_reached,
+                t.goals_waiting, t.plan.id, static_cast<double>(worker_.duration().count()) / 1000, t.plans_discarded);
+    std::printf("link: %llu bytes in, %llu out, %u frames lost, %u damaged, %.1f ms one way\n",
+                static_cast<unsigned long long>(t.link.received_bytes),
+                static_cast<unsigned long long>(t.link.sent_bytes), t.link.lost_frames, t.codec.bad_checksum,
+                static_cast<double>(t.link_delay) / 1000);
+    std::printf("steps: %llu, late by %.1f ms (99 %%), %.1f ms at most\n",
+                static_cast<unsigned long long>(view.lateness.count()), view.lateness.quantile(0.99),
+                view.lateness.most());
+  }
+
+  FlightLoop& loop_;
+  const ThreadWorker& worker_;
+  std::string pending_;
+  std::list<LoadedMap> maps_;
+  bool reads_ = true;
+  bool quits_ = false;
+};
+
+// ---- The program
+
+companion::Settings read_settings(const Options& options) {
+  companion::Settings settings;
+  if (!options.config.empty()) settings = tools::load_config(options.config);
+  if (!options.key.empty()) settings.signing = load_key(options.key);
+  settings.autopilot_signs = options.autopilot_signs;
+  return settings;
+}
+
+/// A map that is too tight for the margins is not flown, and nothing is started with it.
+void check_margins_of(const LoadedMap& map, const std::string& path, const companion::Settings& settings) {
+  const auto radius = static_cast<Real>(map.graph.header().radius);
+  const MarginReport report = companion::margins_of(settings, radius);
+  if (report.verdict == MarginVerdict::kCovered) return;
+  throw Failure{
+      ExitStatus::kNoAnswer,
+      path + ": no flight: its radius of " + tools::to_text(radius, 3) + " m is smaller than the margins' " +
+          tools::to_text(report.required, 3) +
+          " m (vehicle, map error, tracking tube, numerics); build it with a larger --radius or configure 'margins'"};
+}
+
+/// A flight that is under way is left to the autopilot, which holds.
+void let_go(FlightLoop& loop, Console& console) {
+  loop.tell({.kind = companion::Word::Kind::kRelease});
+  for (int i = 0; i < kLooksToLetGo; ++i) {
+    console.look();
+    if (loop.look().telemetry.setpoints == Setpoints::kNone) return;
+  }
+}
+
+void run(const Options& options) {
+  static PlannerStorage<kBoard> planner_memory;
+  static companion::CompanionStorage<kBoard> memory;
+  const companion::Settings settings = read_settings(options);
+  const LoadedMap map = load_map(options.map);
+  check_margins_of(map, options.map, settings);
+  Port port;
+  open_port(port, options.port);
+  ThreadWorker worker(planner_memory.spans(), kPlanPatience);
+  const auto flight = std::make_unique<companion::Companion>(settings, map.graph, memory.memory(),
+                                                             companion::Devices{*port.uart, worker, nullptr});
+  FlightLoop loop(*flight);
+  Console console(loop, worker);
+  while (interrupted == 0 && console.look()) {
+  }
+  let_go(loop, console);
+  loop.end();
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--map", options.map, "Map to fly in, of 'swiftlet map build'")->required();
+  app.add_option("--port", options.port, "DEVICE[:BAUD] (921600), or udp:PORT[:HOST:PORT]")->required();
+  app.add_option("--config", options.config, "swiftlet-config/1 file");
+  CLI::Option* key = app.add_option("--key", options.key, "File with the key for signing, 64 hexadecimal digits");
+  app.add_flag("--autopilot-signs", options.autopilot_signs, "Believe only signed messages of the autopilot")
+      ->needs(key);
+  app.footer(std::string("On standard input:\n") + kConsoleHelp);
+}
+
+}  // namespace
+}  // namespace swiftlet::board
+
+int main(int argc, char** argv) {
+  using swiftlet::tools::ExitStatus;
+  const auto exit_with = [](ExitStatus status, const std::string& line) {
+    std::fprintf(stderr, "companion: %s\n", line.c_str());
+    return static_cast<int>(status);
+  };
+  std::signal(SIGPIPE, SIG_IGN);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { swiftlet::board::interrupted = 1; });
+  try {
+    CLI::App app("Flies a vehicle through a map over a MAVLink link.", "companion");
+    app.set_version_flag("--version", std::string("companion ") + swiftlet::kVersion);
+    swiftlet::board::Options options;
+    swiftlet::board::add_options(app, options);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      const bool asked_for = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
+      return asked_for ? app.exit(error) : exit_with(ExitStatus::kUsage, error.what());
+    }
+    swiftlet::board::run(options);
+    return static_cast<int>(ExitStatus::kDone);
+  } catch (const swiftlet::tools::Failure& failure) {
+    return exit_with(failure.status, failure.line);
+  } catch (const std::exception& error) {
+    return exit_with(ExitStatus::kInternal, std::string("internal error, please report: ") + error.what());
+  }
+}

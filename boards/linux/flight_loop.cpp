@@ -1,0 +1,117 @@
+#include "linux/flight_loop.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "swiftlet/hal/monotonic_clock.hpp"
+
+namespace swiftlet::board {
+namespace {
+
+using std::chrono::microseconds;
+
+constexpr microseconds kBin{100};
+constexpr microseconds kGiveUp{50'000};  // a step that late starts a new rhythm instead of being caught up with
+constexpr int kPriority = 20;
+constexpr std::size_t kMostNotes = 256;  // unread
+
+/// Sleeps on the clock that MonotonicClock reads.
+void sleep_until(microseconds time) {
+  timespec until{};
+  until.tv_sec = static_cast<time_t>(time.count() / 1'000'000);
+  until.tv_nsec = static_cast<long>(time.count() % 1'000'000 * 1000);
+  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
+}  // namespace
+
+void Lateness::add(microseconds late) {
+  const auto bin = static_cast<std::size_t>(std::max<std::int64_t>(late / kBin, 0));
+  ++bins_[std::min(bin, bins_.size() - 1)];
+  ++count_;
+  most_ = std::max(most_, late);
+}
+
+double Lateness::quantile(double share) const {
+  std::uint64_t below = 0;
+  std::size_t bin = 0;
+  while (bin < bins_.size() && static_cast<double>(below) < share * static_cast<double>(count_)) below += bins_[bin++];
+  return static_cast<double>(bin) * static_cast<double>(kBin.count()) / 1000;
+}
+
+FlightLoop::FlightLoop(companion::Companion& companion) : companion_(companion) {
+  view_.notes.reserve(kMostNotes);
+  thread_ = std::thread([this] { run(); });
+  const sched_param priority{kPriority};
+  (void)::pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority);  // where it is allowed
+}
+
+void FlightLoop::end() {
+  ends_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void FlightLoop::tell(const companion::Word& word) {
+  const std::lock_guard lock(mutex_);
+  words_.push_back(word);
+}
+
+void FlightLoop::replace_map(const BoxGraphView& map) {
+  const std::lock_guard lock(mutex_);
+  map_ = map;
+}
+
+FlightView FlightLoop::look() {
+  const std::lock_guard lock(mutex_);
+  FlightView seen = view_;
+  view_.notes.clear();
+  return seen;
+}
+
+void FlightLoop::take_words() {
+  const std::lock_guard lock(mutex_);
+  std::size_t taken = 0;
+  while (taken < words_.size() && taken < companion::Companion::kMostWords) {
+    if (!companion_.tell(words_[taken])) {
+      companion::Note refused{companion_.telemetry().time, mavlink::Severity::kWarning, {}};
+      constexpr std::string_view kText = "refused: numbers out of range";
+      std::copy(kText.begin(), kText.end(), refused.text.begin());
+      view_.notes.push_back(refused);
+    }
+    ++taken;
+  }
+  words_.erase(words_.begin(), words_.begin() + static_cast<std::ptrdiff_t>(taken));
+  if (map_) (void)companion_.replace_map(*map_);  // its journal says why not
+  map_.reset();
+}
+
+void FlightLoop::publish(microseconds late) {
+  const std::lock_guard lock(mutex_);
+  view_.telemetry = companion_.telemetry();
+  view_.lateness.add(late);
+  for (; noted_ != companion_.note_count(); ++noted_) {
+    if (view_.notes.size() < kMostNotes) view_.notes.push_back(companion_.note(noted_));
+  }
+}
+
+void FlightLoop::run() {
+  hal::MonotonicClock clock;
+  microseconds next = clock.now();
+  while (!ends_) {
+    sleep_until(next);
+    take_words();
+    const microseconds now = clock.now();
+    companion_.step(now);
+    publish(now - next);
+    next += kPeriod;
+    if (clock.now() - next > kGiveUp) next = clock.now();
+  }
+}
+
+}  // namespace swiftlet::board

@@ -1,0 +1,67 @@
+#pragma once
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "companion/companion.hpp"
+
+namespace swiftlet::board {
+
+/// How late steps were, in bins of 0.1 ms.
+class Lateness {
+ public:
+  void add(std::chrono::microseconds late);
+  /// [ms] below which `share` of the steps were; to the bin's upper edge.
+  [[nodiscard]] double quantile(double share) const;
+  [[nodiscard]] double most() const { return static_cast<double>(most_.count()) / 1000; }  ///< [ms]
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+ private:
+  std::array<std::uint64_t, 1001> bins_{};
+  std::uint64_t count_ = 0;
+  std::chrono::microseconds most_{0};
+};
+
+/// What a look at the flight shows.
+struct FlightView {
+  companion::Telemetry telemetry;  ///< its spans must not be looked into: they are the flight's
+  Lateness lateness;
+  std::vector<companion::Note> notes;  ///< since the last look
+};
+
+/// Steps a companion at a steady 100 Hz in a thread of its own. Others reach it through short critical sections only.
+class FlightLoop {
+ public:
+  explicit FlightLoop(companion::Companion& companion);
+  ~FlightLoop() { end(); }
+  FlightLoop(const FlightLoop&) = delete;
+  FlightLoop& operator=(const FlightLoop&) = delete;
+
+  void tell(const companion::Word& word);
+  void replace_map(const BoxGraphView& map);
+  FlightView look();
+  void end();
+
+ private:
+  static constexpr std::chrono::microseconds kPeriod{10'000};
+
+  void run();
+  void take_words();
+  void publish(std::chrono::microseconds late);
+
+  companion::Companion& companion_;
+  std::mutex mutex_;
+  std::vector<companion::Word> words_;
+  std::optional<BoxGraphView> map_;
+  FlightView view_;
+  std::uint32_t noted_ = 0;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace swiftlet::board

@@ -1,0 +1,42 @@
+#pragma once
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "companion/plan_worker.hpp"
+
+namespace swiftlet::board {
+
+/// Plans in a thread of its own.
+class ThreadWorker final : public companion::PlanWorker {
+ public:
+  /// `patience`: how long `done` waits for a plan that is nearly there. The set-point has left by then, and most plans
+  /// are committed in the step that asked for them.
+  ThreadWorker(const PlannerSpans& spans, std::chrono::microseconds patience);
+  ~ThreadWorker();
+  ThreadWorker(const ThreadWorker&) = delete;
+  ThreadWorker& operator=(const ThreadWorker&) = delete;
+
+  void start(const companion::PlanJob& job) override;
+  bool done() override;
+  [[nodiscard]] const Plan& result() const override { return planner_.result(); }
+
+  /// How long the last plan took, start to end, in real time.
+  [[nodiscard]] std::chrono::microseconds duration() const { return duration_; }
+
+ private:
+  void work();
+
+  Planner planner_;
+  std::chrono::microseconds patience_;
+  std::chrono::microseconds duration_{0};
+  companion::PlanJob job_;
+  bool busy_ = false;
+  bool ends_ = false;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::thread thread_;
+};
+
+}  // namespace swiftlet::board
