@@ -103,38 +103,52 @@ std::uint32_t whole_number(const std::string& option, const std::string& text, s
   return static_cast<std::uint32_t>(*number);
 }
 
+/// "DEVICE", "DEVICE:BAUD", "udp:PORT" or "udp:PORT:HOST:PORT".
+struct PortName {
+  std::string device;  ///< empty: UDP
+  std::uint32_t baud = kUsualBaud;
+  std::uint16_t local_port = 0;
+  std::string host = "127.0.0.1";
+  std::uint16_t remote_port = 0;  ///< 0: whoever sends
+};
+
+PortName parse_port(const std::string& text) {
+  const std::vector<std::string> pieces = split_at_colons(text);
+  PortName name;
+  if (pieces[0] != "udp") {
+    const std::size_t colon = text.rfind(':');
+    name.device = text.substr(0, colon);
+    if (colon != std::string::npos) name.baud = whole_number("--port", text.substr(colon + 1), 12'000'000);
+    return name;
+  }
+  if (pieces.size() != 2 && pieces.size() != 4) {
+    throw Failure{ExitStatus::kUsage, "--port: '" + text + "' is not udp:PORT or udp:PORT:HOST:PORT"};
+  }
+  name.local_port = static_cast<std::uint16_t>(whole_number("--port", pieces[1], 65535));
+  if (pieces.size() == 4) {
+    name.host = pieces[2];
+    name.remote_port = static_cast<std::uint16_t>(whole_number("--port", pieces[3], 65535));
+  }
+  return name;
+}
+
 struct Port {
   hal::SerialPort serial;
   hal::UdpUart udp;
   hal::Uart* uart = nullptr;
 };
 
-void open_udp(Port& port, const std::vector<std::string>& pieces) {
-  if (pieces.size() != 2 && pieces.size() != 4)
-    throw Failure{ExitStatus::kUsage, "--port: udp:PORT or udp:PORT:HOST:PORT is needed"};
-  const auto local = static_cast<std::uint16_t>(whole_number("--port", pieces[1], 65535));
-  const bool has_peer = pieces.size() == 4;
-  const std::string host = has_peer ? pieces[2] : "127.0.0.1";
-  const auto remote = static_cast<std::uint16_t>(has_peer ? whole_number("--port", pieces[3], 65535) : 0);
-  if (!port.udp.open(local, host.c_str(), remote)) {
-    throw Failure{ExitStatus::kBadFile, "UDP port " + pieces[1] + " cannot be opened: " + std::strerror(errno)};
+void open_port(Port& port, const PortName& name) {
+  if (!name.device.empty()) {
+    port.uart = &port.serial;
+    if (port.serial.open(name.device.c_str(), name.baud)) return;
+    throw Failure{ExitStatus::kBadFile, name.device + ": cannot be opened at " + std::to_string(name.baud) +
+                                            " baud: " + std::strerror(errno)};
   }
   port.uart = &port.udp;
-}
-
-/// "DEVICE", "DEVICE:BAUD", "udp:PORT" or "udp:PORT:HOST:PORT".
-void open_port(Port& port, const std::string& text) {
-  const std::vector<std::string> pieces = split_at_colons(text);
-  if (pieces[0] == "udp") return open_udp(port, pieces);
-  const std::size_t colon = text.rfind(':');
-  const std::string device = text.substr(0, colon);
-  const std::uint32_t baud =
-      colon == std::string::npos ? kUsualBaud : whole_number("--port", text.substr(colon + 1), 12'000'000);
-  if (!port.serial.open(device.c_str(), baud)) {
-    throw Failure{ExitStatus::kBadFile,
-                  device + ": cannot be opened at " + std::to_string(baud) + " baud: " + std::strerror(errno)};
-  }
-  port.uart = &port.serial;
+  if (port.udp.open(name.local_port, name.host.c_str(), name.remote_port)) return;
+  throw Failure{ExitStatus::kBadFile,
+                "UDP port " + std::to_string(name.local_port) + " cannot be opened: " + std::strerror(errno)};
 }
 
 // ---- The console
@@ -263,11 +277,12 @@ void let_go(FlightLoop& loop, Console& console) {
 void run(const Options& options) {
   static PlannerStorage<kBoard> planner_memory;
   static companion::CompanionStorage<kBoard> memory;
+  const PortName port_name = parse_port(options.port);
   const companion::Settings settings = read_settings(options);
   const LoadedMap map = load_map(options.map);
   check_margins_of(map, options.map, settings);
   Port port;
-  open_port(port, options.port);
+  open_port(port, port_name);
   ThreadWorker worker(planner_memory.spans(), kPlanPatience);
   const auto flight = std::make_unique<companion::Companion>(settings, map.graph, memory.memory(),
                                                              companion::Devices{*port.uart, worker, nullptr});

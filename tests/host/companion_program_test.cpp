@@ -1,0 +1,269 @@
+// The program `companion` on a real device: a pseudo-terminal with the simulated autopilot at its other end, in real
+// time, and what it refuses.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cli/config_file.hpp"
+#include "cli/failure.hpp"
+#include "map/map_builder.hpp"
+#include "map/voxel_map.hpp"
+#include "sim/pixhawk_sim.hpp"
+#include "swiftlet/hal/posix_uart.hpp"
+#include "world/worlds.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string write_file(const std::string& name, std::string_view bytes) {
+  const std::string path = testing::TempDir() + "companion_" + std::to_string(::getpid()) + "_" + name;
+  std::ofstream(path, std::ios::binary) << bytes;
+  return path;
+}
+
+std::string map_path(double radius) {
+  const std::string bt = to_bt(make_classroom(1).grid);
+  MapBuildOptions options;
+  options.radius = radius;
+  const std::vector<std::byte> blob = build_map(*parse_octree("room.bt", std::as_bytes(std::span(bt))), "room.bt",
+                                                options, [](std::string_view, double) {})
+                                          ->blob;
+  return write_file("room.swm", {reinterpret_cast<const char*>(blob.data()), blob.size()});
+}
+
+const char* const kConfig = R"({"format": "swiftlet-config/1", "start_m": [0.48, 0.48, 0], "land_at_end": true,
+  "margins": {"vehicle_radius_m": 0.1, "map_error_m": 0.03}, "takeoff": {"height_m": 0.8, "standing_s": 0.5}})";
+
+/// A child process with its standard input and its output.
+class Program {
+ public:
+  explicit Program(std::vector<std::string> arguments) {
+    std::array<int, 2> in{};
+    std::array<int, 2> out{};
+    if (::pipe(in.data()) != 0 || ::pipe(out.data()) != 0) return;
+    process_ = ::fork();
+    if (process_ == 0) {
+      ::dup2(in[0], 0);
+      ::dup2(out[1], 1);
+      ::dup2(out[1], 2);
+      for (const int each : {in[0], in[1], out[0], out[1]}) ::close(each);
+      arguments.insert(arguments.begin(), COMPANION_PROGRAM);
+      std::vector<char*> pointers;
+      for (std::string& argument : arguments) pointers.push_back(argument.data());
+      pointers.push_back(nullptr);
+      ::execv(pointers[0], pointers.data());
+      ::_exit(127);
+    }
+    ::close(in[0]);
+    ::close(out[1]);
+    input_ = in[1];
+    output_ = out[0];
+  }
+  ~Program() {
+    if (process_ > 0) ::kill(process_, SIGKILL);
+    (void)wait();
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void say(const std::string& line) const {
+    ASSERT_EQ(::write(input_, line.data(), line.size()), static_cast<ssize_t>(line.size()));
+  }
+  /// Ends its input, reads what it says until it ends; its exit status.
+  int wait() {
+    if (process_ <= 0) return -1;
+    ::close(input_);
+    std::array<char, 4096> buffer{};
+    for (ssize_t n = ::read(output_, buffer.data(), buffer.size()); n > 0;
+         n = ::read(output_, buffer.data(), buffer.size())) {
+      text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+    ::close(output_);
+    int status = 0;
+    ::waitpid(process_, &status, 0);
+    process_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string text;
+
+ private:
+  pid_t process_ = -1;
+  int input_ = -1;
+  int output_ = -1;
+};
+
+/// The simulated autopilot at the other end, a millisecond at a time by the wall clock; notes when set-points come.
+struct FarEnd {
+  PixhawkSim sim;
+  hal::PseudoTerminal line;
+  mavlink::Codec reader{{1, 99}};
+  Clock::time_point last_setpoint{};
+  std::vector<double> gaps;  // [ms] between set-points in flight
+  std::uint64_t received_bytes = 0;
+  std::uint64_t sent_bytes = 0;
+
+  explicit FarEnd(const PixhawkSimSettings& settings) : sim(settings) {}
+
+  template <typename Condition>
+  bool run_until(double seconds, const Condition& condition) {
+    const Clock::time_point start = Clock::now() - sim.time();
+    const auto end = sim.time() + std::chrono::duration<double>(seconds);
+    std::array<std::byte, 4096> buffer{};
+    while (sim.time() < end) {
+      std::this_thread::sleep_until(start + sim.time() + Simulation::kStep);
+      for (std::size_t n = line.read(buffer); n > 0; n = line.read(buffer)) {
+        sim.receive(std::span(buffer).first(n));
+        watch(std::span(buffer).first(n));
+      }
+      const std::vector<std::byte> bytes = sim.step();
+      sent_bytes += bytes.size();
+      (void)line.write(bytes);
+      if (condition()) return true;
+    }
+    return false;
+  }
+
+ private:
+  void watch(std::span<const std::byte> bytes) {
+    received_bytes += bytes.size();
+    while (const auto frame = reader.receive(bytes)) {
+      if (frame->id != mavlink::SetAttitudeTarget::kId) continue;
+      const Clock::time_point now = Clock::now();
+      const std::chrono::duration<double, std::milli> gap = now - last_setpoint;
+      if (gap.count() < 1000) gaps.push_back(gap.count());
+      last_setpoint = now;
+    }
+  }
+};
+
+/// Share-quantile of how far the gaps are from 10 ms.
+double jitter(const std::vector<double>& gaps, double share) {
+  std::vector<double> off;
+  for (const double gap : gaps) off.push_back(std::abs(gap - 10));
+  std::sort(off.begin(), off.end());
+  return off.empty() ? 0 : off[static_cast<std::size_t>(share * static_cast<double>(off.size() - 1))];
+}
+
+TEST(CompanionProgram, FliesOverAPseudoTerminalInRealTime) {
+  PixhawkSimSettings settings;
+  settings.simulation.start = {0.48, 0.48, 0};
+  FarEnd far_end(settings);
+  ASSERT_TRUE(far_end.line.open());
+  Program program({"--map", map_path(0.3), "--port", far_end.line.peer_path() + ":921600", "--config",
+                   write_file("config.json", kConfig)});
+  program.say("engage\ngoal 2 2.6 1\n");
+  const auto& autopilot = far_end.sim.simulation().autopilot();
+  const auto& truth = far_end.sim.simulation().truth();
+  ASSERT_TRUE(far_end.run_until(15, [&] { return autopilot.armed(); }));
+  const auto goal = Vector3{2, 2.6, 1};
+  ASSERT_TRUE(far_end.run_until(30, [&] { return (truth.position - goal).norm() < 0.2; }));
+  EXPECT_TRUE(far_end.run_until(30, [&] { return !autopilot.armed(); }));
+  EXPECT_LT((truth.position - goal).head<2>().norm(), 0.4);
+  EXPECT_LT(far_end.sim.simulation().quadrotor().impact_speed(), 0.6);
+  far_end.run_until(1.5, [] { return false; });  // a HEARTBEAT may be late
+  program.say("status\nquit\n");
+  EXPECT_EQ(program.wait(), 0);
+  EXPECT_NE(program.text.find("goal 2.00 2.60 1.00 reached"), std::string::npos) << program.text;
+  EXPECT_NE(program.text.find("landed: disarmed"), std::string::npos) << program.text;
+  const double seconds = std::chrono::duration<double>(far_end.sim.time()).count();
+  std::printf("set-points: %zu, off 10 ms by %.2f ms (50 %%), %.2f ms (99 %%), %.2f ms at most\n", far_end.gaps.size(),
+              jitter(far_end.gaps, 0.5), jitter(far_end.gaps, 0.99), jitter(far_end.gaps, 1));
+  std::printf("line: %.0f B/s to the companion, %.0f B/s from it\n%s",
+              static_cast<double>(far_end.sent_bytes) / seconds, static_cast<double>(far_end.received_bytes) / seconds,
+              program.text.c_str());
+}
+
+TEST(CompanionProgram, RefusesAMapThatDoesNotCoverTheMarginsAndSaysSo) {
+  Program program({"--map", map_path(0.2), "--port", "/dev/null", "--config", write_file("config.json", kConfig)});
+  EXPECT_EQ(program.wait(), 1);
+  EXPECT_NE(program.text.find("its radius of 0.200 m is smaller than the margins' 0.281 m"), std::string::npos)
+      << program.text;
+}
+
+TEST(CompanionProgram, RefusesBadInputWithOneLineAndTheContractsStatus) {
+  const std::string map = map_path(0.3);
+  const std::string config = write_file("bad.json", R"({"format": "swiftlet-config/1", "yaw": {"mod": "path"}})");
+  const struct {
+    std::vector<std::string> arguments;
+    int status;
+    const char* words;
+  } cases[] = {
+      {{"--port", "/dev/null"}, 2, "--map is required"},
+      {{"--map", map, "--port", "/dev/null", "--fast"}, 2, "--fast"},
+      {{"--map", map, "--port", "udp:99999"}, 2, "'99999' is not a number"},
+      {{"--map", map, "--port", "/dev/null:fast"}, 2, "'fast' is not a number"},
+      {{"--map", "/nowhere.swm", "--port", "/dev/null"}, 3, "/nowhere.swm"},
+      {{"--map", config, "--port", "/dev/null"}, 3, "bad.json"},
+      {{"--map", map, "--port", "/dev/null", "--config", config}, 3, "'yaw.mod' is not a known key"},
+      {{"--map", map, "--port", "/nowhere", "--config", write_file("config.json", kConfig)}, 3, "/nowhere: cannot be"},
+      {{"--map", map, "--port", "/dev/null", "--key", config}, 3, "64 hexadecimal digits"},
+  };
+  for (const auto& each : cases) {
+    Program program(each.arguments);
+    EXPECT_EQ(program.wait(), each.status) << program.text;
+    EXPECT_NE(program.text.find(each.words), std::string::npos) << program.text;
+    EXPECT_EQ(std::count(program.text.begin(), program.text.end(), '\n'), 1) << program.text;
+  }
+}
+
+// ---- swiftlet-config/1
+
+TEST(ConfigFile, WhatIsWrittenIsReadBackBitForBit) {
+  companion::Settings settings;
+  settings.form = SetpointForm::kRates;
+  settings.start = {0.1, -2.0 / 3, 1e-9};
+  settings.limits.vehicle = Vehicle{1.1, 0, 21, 3};
+  settings.takeoff.patience = 12'345'679;
+  settings.yaw.mode = YawMode::kTowards;
+  settings.control.rates.k_position.x() = 6.1;
+  settings.planning.budget.deadline = 12'345;
+  const std::string text = config_text(settings);
+  const companion::Settings read = parse_config("text", text);
+  EXPECT_EQ(config_text(read), text);
+  EXPECT_EQ(read.start, settings.start);
+  EXPECT_EQ(read.takeoff.patience, settings.takeoff.patience);
+  EXPECT_EQ(read.planning.budget.deadline, 12'345U);
+  EXPECT_EQ(read.control.rates.k_position.x(), 6.1);
+  EXPECT_EQ(read.limits.vehicle->thrust_max, 21);
+}
+
+TEST(ConfigFile, FaultsAreNamed) {
+  const std::pair<const char*, const char*> cases[] = {
+      {R"({"format": "swiftlet-config/1", "limit": {}})", "'limit' is not a known key"},
+      {R"({"format": "swiftlet-config/1", "limits": 3})", "'limits' is not a JSON object"},
+      {R"({"format": "swiftlet-config/1", "limits": {"vmax_m_s": -1}})", "limits"},
+      {R"({"format": "swiftlet-config/1", "limits": {"vmax": 1}})", "'limits.vmax' is not a known key"},
+      {R"({"format": "swiftlet-config/1", "setpoint": "thrust"})", "'setpoint' is none of position, attitude, rates"},
+      {R"({"format": "swiftlet-config/1", "start_m": [0, 0]})", "'start_m' has 2 numbers, not 3"},
+      {R"({"format": "swiftlet-config/1", "control": {"rates": {"k": 1}}})", "'control.rates.k' is not a known key"},
+      {R"({"format": "swiftlet-config/1", "system_id": 1.5})", "'system_id'"},
+      {R"({"format": "swiftlet-config/1", "takeoff": {"patience_s": 1e9}})", "'takeoff.patience_s' is out of range"},
+      {R"({"format": "swiftlet-config/2"})", "swiftlet-config/1"},
+      {"[]", "is not a JSON object"},
+      {"{", "not valid JSON"},
+  };
+  for (const auto& [text, words] : cases) {
+    try {
+      (void)parse_config("text", text);
+      ADD_FAILURE() << text;
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.status, ExitStatus::kBadFile);
+      EXPECT_NE(failure.line.find(words), std::string::npos) << failure.line;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet::tools
