@@ -28,7 +28,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 std::string write_file(const std::string& name, std::string_view bytes) {
-  const std::string path = testing::TempDir() + "companion_" + std::to_string(::getpid()) + "_" + name;
+  std::string path = testing::TempDir() + "companion_" + std::to_string(::getpid()) + "_" + name;
   std::ofstream(path, std::ios::binary) << bytes;
   return path;
 }
@@ -61,6 +61,7 @@ class Program {
       for (const int each : {in[0], in[1], out[0], out[1]}) ::close(each);
       arguments.insert(arguments.begin(), COMPANION_PROGRAM);
       std::vector<char*> pointers;
+      pointers.reserve(arguments.size() + 1);
       for (std::string& argument : arguments) pointers.push_back(argument.data());
       pointers.push_back(nullptr);
       ::execv(pointers[0], pointers.data());
@@ -151,6 +152,7 @@ struct FarEnd {
 /// Share-quantile of how far the gaps are from 10 ms.
 double jitter(const std::vector<double>& gaps, double share) {
   std::vector<double> off;
+  off.reserve(gaps.size());
   for (const double gap : gaps) off.push_back(std::abs(gap - 10));
   std::sort(off.begin(), off.end());
   return off.empty() ? 0 : off[static_cast<std::size_t>(share * static_cast<double>(off.size() - 1))];
