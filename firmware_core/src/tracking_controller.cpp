@@ -7,7 +7,6 @@ namespace swiftlet {
 namespace {
 
 const Vector3 kWeight{0, 0, kGravity};
-constexpr Real kLongestStep = Real(0.1);  // [s] a longer one teaches the integral nothing
 
 bool is_sane(const Vector3& v) { return (v.array().abs() <= kLargestInput).all(); }
 
@@ -22,7 +21,6 @@ Vector3 clamped(const Vector3& v, const Vector3& bound) { return v.cwiseMax(-bou
 }  // namespace
 
 void TrackingController::reset() {
-  integral_.setZero();
   desired_attitude_.setIdentity();
   desired_rates_.setZero();
 }
@@ -41,19 +39,17 @@ bool TrackingController::bound_force(Vector3& force) const {
   return (force - wanted).squaredNorm() > 0;
 }
 
-/// Everything but the attitude loop. `compensation` is what drag and disturbances take: commanded, not flown.
+/// Everything but the attitude loop.
 TrackingCommand TrackingController::command_for(const Reference& reference, const Vector3& feedback,
                                                 CommandBasis basis) {
-  const Vector3 drag = settings_.drag * reference.sample.velocity;
   TrackingCommand command;
   command.basis = basis;
   command.position = reference.sample.position;
   command.velocity = reference.sample.velocity;
-  command.acceleration = reference.sample.acceleration + drag;
+  command.acceleration = reference.sample.acceleration + settings_.drag * reference.sample.velocity;
   command.yaw = wrap_angle(reference.yaw);
   command.yaw_rate = reference.yaw_rate;
-  command.compensation = drag + integral_;
-  Vector3 force = reference.sample.acceleration + feedback + command.compensation + kWeight;
+  Vector3 force = reference.sample.acceleration + feedback + kWeight;
   command.saturated = bound_force(force);
   command.commanded_acceleration = force - kWeight;
   const Result<FlatState> flat = flat_to_state(
@@ -93,19 +89,18 @@ TrackingCommand TrackingController::level() const {
   return command;
 }
 
-TrackingCommand TrackingController::step(const Reference& reference, const VehicleState& state, Real dt,
-                                         bool integrate) {
+TrackingCommand TrackingController::step(const Reference& reference, const VehicleState& state,
+                                         const Vector3& disturbance) {
   if (!is_usable(reference)) return level();
-  if (!is_usable(state)) return command_for(reference, Vector3::Zero(), CommandBasis::kReference);
+  const Vector3 taken_off = is_sane(disturbance) ? Vector3(-disturbance) : Vector3::Zero();
+  if (!is_usable(state)) return command_for(reference, taken_off, CommandBasis::kReference);
   const Vector3 e_r = state.position - reference.sample.position;
   const Vector3 e_v = state.velocity - reference.sample.velocity;
   const Vector3 feedback = -settings_.k_position.cwiseProduct(e_r) - settings_.k_velocity.cwiseProduct(e_v);
-  TrackingCommand command = command_for(reference, feedback, CommandBasis::kFeedback);
+  TrackingCommand command = command_for(reference, feedback + taken_off, CommandBasis::kFeedback);
+  const Vector3 addition = -settings_.k_position_form.cwiseProduct(e_r) - settings_.k_velocity_form.cwiseProduct(e_v);
+  command.acceleration += clamped(addition, Vector3::Constant(settings_.form_feedback_max));
   close_attitude_loop(state, command);
-  if (integrate && !command.saturated && dt > 0 && dt <= kLongestStep) {
-    integral_ =
-        clamped(integral_ - settings_.k_integral.cwiseProduct(e_r) * dt, Vector3::Constant(settings_.integral_max));
-  }
   return command;
 }
 

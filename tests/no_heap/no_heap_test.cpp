@@ -129,8 +129,9 @@ TEST(NoHeap, FliesUnderAGuard) {
                                swiftlet::Real(0.02));
       const swiftlet::VehicleState state = predictor.predict({now, sample.position}, now + 10'000);
       const swiftlet::TrackingCommand command =
-          controller.step({sample, yaw.yaw, yaw.rate}, state, swiftlet::Real(0.02), true);
-      predictor.record(now, command.commanded_acceleration, command.compensation);
+          controller.step({sample, yaw.yaw, yaw.rate}, state, predictor.disturbance());
+      predictor.record(now, command.commanded_acceleration, command.thrust);
+      predictor.learn(state);
       hover.update(now, 0, 1, hover.normalised(command.thrust));
     }
     static_cast<void>(swiftlet::check_margins({}, 1));

@@ -142,11 +142,7 @@ struct Vehicle {
 struct Loop {
   World world;
   Supervisor supervisor{{}};
-  TrackingController controller{[] {
-    ControllerSettings settings;
-    settings.drag = Real(0.25);
-    return settings;
-  }()};
+  TrackingController controller{{}};
   StatePredictor predictor{{}};
   Vehicle vehicle;
   SupervisorInputs inputs;
@@ -176,9 +172,10 @@ struct Loop {
     if (decision.setpoints != Setpoints::kNone) inputs.last_setpoint = now;
     inputs.armed = inputs.in_our_mode = inputs.armed || decision.may_ask_for_control;
     const Sample reference = world.store.sample(now);
+    predictor.learn(inputs.odometry);
     const VehicleState state = predictor.predict(inputs.odometry, now);
-    const TrackingCommand command = controller.step({reference, 0, 0}, state, to_seconds(kTick), true);
-    predictor.record(now, command.commanded_acceleration, command.compensation);
+    const TrackingCommand command = controller.step({reference, 0, 0}, state, predictor.disturbance());
+    predictor.record(now, command.commanded_acceleration, command.thrust);
     vehicle.advance(command, now);
     most_off = std::max(most_off, (vehicle.position - world.store.sample(now + kTick).position).norm());
   }

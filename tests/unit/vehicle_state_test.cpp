@@ -18,6 +18,98 @@ VehicleState moving() {
   return state;
 }
 
+PredictorSettings at_once(TimeUs longest) {
+  PredictorSettings settings;
+  settings.response_time = 0;
+  settings.longest = longest;
+  return settings;
+}
+
+/// What is learnt in `seconds` of hovering on `thrust` [m/s^2] while `disturbance` acts, with odometry every `period`
+/// [us] and an axis tilted north by `tilt` [rad].
+Vector3 learned(const PredictorSettings& settings, const Vector3& disturbance, Real seconds, Real thrust = kGravity,
+                TimeUs period = 20'000, Real tilt = 0) {
+  StatePredictor predictor(settings);
+  VehicleState state = moving();
+  state.attitude = Quaternion(std::cos(tilt / 2), -std::sin(tilt / 2), 0, 0);
+  const Vector3 acceleration =
+      state.attitude.toRotationMatrix().col(2) * thrust - Vector3{0, 0, kGravity} + disturbance;
+  const int steps = static_cast<int>(seconds / to_seconds(period));
+  for (int i = 0; i < steps; ++i) {
+    predictor.record(state.time, Vector3::Zero(), thrust);
+    predictor.learn(state);
+    state.time += period;
+    state.velocity += acceleration * to_seconds(period);
+  }
+  return predictor.disturbance();
+}
+
+TEST(StatePredictor, LearnsTheDisturbanceFromWhatThrustDoesNotExplain) {
+  const Vector3 wind{Real(0.5), Real(-0.8), Real(0.3)};
+  const Real tolerance = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-2);
+  EXPECT_LE((learned({}, wind, 3) - wind).norm(), tolerance);
+  EXPECT_LE((learned({}, wind, 3, 8, 33'000, Real(0.3)) - wind).norm(), tolerance);
+  // First order: within its time constant two thirds of the way (implicit steps: a little less).
+  const Real share = learned({}, {1, 0, 0}, Real(0.12)).x();
+  EXPECT_GT(share, Real(0.5));
+  EXPECT_LT(share, Real(0.7));
+}
+
+TEST(StatePredictor, TheDisturbanceIsBoundedAndOneWildSampleMovesItLittle) {
+  const PredictorSettings settings;
+  EXPECT_NEAR(learned(settings, {50, -50, 0}, 3).x(), settings.disturbance_max, 1e-3);
+  EXPECT_NEAR(learned(settings, {50, -50, 0}, 3).y(), -settings.disturbance_max, 1e-3);
+  EXPECT_LE(learned(settings, {1000, 0, 0}, Real(0.04)).x(), settings.disturbance_max / 5);
+}
+
+TEST(StatePredictor, LearnsNothingFromNumbersThatAreNoneRepeatedOrAfterAGap) {
+  const Real nan = std::numeric_limits<Real>::quiet_NaN();
+  StatePredictor predictor({});
+  VehicleState state = moving();
+  predictor.learn(state);
+  for (int i = 0; i < 50; ++i) {
+    VehicleState bad = state;
+    bad.time += 10'000;
+    if (i % 3 == 0) bad.velocity[i % 2] = nan;
+    if (i % 3 == 1) bad.attitude = Quaternion(nan, 0, 0, 1);
+    if (i % 3 == 2) bad.time = state.time;  // the same again, though moved
+    if (i % 3 == 2) bad.velocity[0] = 9;
+    predictor.learn(bad);
+    if (i % 10 == 9) {  // after a gap, or a clock that went back
+      state.time += i % 20 == 9 ? 500'000 : -200'000;
+      state.velocity[0] += 1;
+      predictor.learn(state);
+    }
+  }
+  EXPECT_EQ(predictor.disturbance().norm(), 0);
+}
+
+TEST(StatePredictor, ForgetsTheDisturbanceWhenReset) {
+  StatePredictor predictor({});
+  VehicleState state = moving();
+  for (int i = 0; i < 10; ++i) {
+    predictor.learn(state);
+    state.time += 20'000;
+  }
+  EXPECT_LT(predictor.disturbance().z(), Real(1.3) * kGravity);
+  predictor.reset();
+  EXPECT_EQ(predictor.disturbance().norm(), 0);
+}
+
+TEST(StatePredictor, TheDisturbanceMovesThePrediction) {
+  PredictorSettings settings = at_once(500'000);
+  StatePredictor predictor(settings);
+  VehicleState state = moving();
+  for (int i = 0; i < 100; ++i) {
+    predictor.record(state.time, Vector3::Zero(), kGravity);
+    predictor.learn(state);
+    state.time += 20'000;
+    state.velocity.y() += Real(0.5) * Real(0.02);
+  }
+  const VehicleState later = predictor.predict(state, state.time + 200'000);
+  EXPECT_NEAR(later.velocity.y() - state.velocity.y(), 0.1, 1e-2);
+}
+
 TEST(StatePredictor, WithoutCommandsItGoesStraightOn) {
   const StatePredictor predictor({});
   const VehicleState state = predictor.predict(moving(), 1'200'000);
@@ -28,11 +120,11 @@ TEST(StatePredictor, WithoutCommandsItGoesStraightOn) {
 
 // Without lag: 2 m/s^2 north from 1.0 s, upwards from 1.1 s on.
 TEST(StatePredictor, IntegratesTheCommandsThatActMeanwhile) {
-  StatePredictor predictor({0, 500'000});
-  predictor.record(0, {9, 9, 9}, Vector3::Zero());
-  predictor.record(900'000, {0, 2, 0}, Vector3::Zero());
-  predictor.record(1'100'000, {0, 1, 2}, {0, 1, 0});
-  predictor.record(1'900'000, {7, 7, 7}, Vector3::Zero());
+  StatePredictor predictor(at_once(500'000));
+  predictor.record(0, {9, 9, 9}, kGravity);
+  predictor.record(900'000, {0, 2, 0}, kGravity);
+  predictor.record(1'100'000, {0, 0, 2}, kGravity);
+  predictor.record(1'900'000, {7, 7, 7}, kGravity);
   const VehicleState state = predictor.predict(moving(), 1'200'000);
   EXPECT_NEAR(state.velocity[1], 0.2, kTolerance);
   EXPECT_NEAR(state.velocity[2], 0.2, kTolerance);
@@ -41,8 +133,8 @@ TEST(StatePredictor, IntegratesTheCommandsThatActMeanwhile) {
 }
 
 TEST(StatePredictor, TheAnswerLagsBehindTheCommand) {
-  StatePredictor predictor({Real(0.2), 500'000});
-  for (int i = 0; i < 30; ++i) predictor.record(TimeUs{900'000} + TimeUs{10'000} * i, {0, 0, 2}, Vector3::Zero());
+  StatePredictor predictor({});
+  for (int i = 0; i < 30; ++i) predictor.record(TimeUs{900'000} + TimeUs{10'000} * i, {0, 0, 2}, kGravity + 2);
   const VehicleState state = predictor.predict(moving(), 1'150'000);
   EXPECT_GT(state.velocity[2], 0.1);
   EXPECT_LE(state.velocity[2], 0.3 + kTolerance);
@@ -55,14 +147,14 @@ TEST(StatePredictor, TurnsByTheBodyRates) {
 }
 
 TEST(StatePredictor, GoesNoFurtherThanItsHorizonAndNeverBack) {
-  const StatePredictor predictor({0, 300'000});
+  const StatePredictor predictor(at_once(300'000));
   EXPECT_NEAR(predictor.predict(moving(), 9'000'000).position[0], 1.3, kTolerance);
   EXPECT_EQ(predictor.predict(moving(), 500'000).position[0], 1);
 }
 
 TEST(StatePredictor, ForgetsTheOldestCommandsOfALongFlight) {
-  StatePredictor predictor({0, 500'000});
-  for (int i = 0; i < 500; ++i) predictor.record(TimeUs{10'000} * i, {0, 1, 0}, Vector3::Zero());
+  StatePredictor predictor(at_once(500'000));
+  for (int i = 0; i < 500; ++i) predictor.record(TimeUs{10'000} * i, {0, 1, 0}, kGravity);
   VehicleState state = moving();
   state.time = 4'900'000;
   EXPECT_NEAR(predictor.predict(state, 5'000'000).velocity[1], 0.1, kTolerance);
@@ -71,10 +163,10 @@ TEST(StatePredictor, ForgetsTheOldestCommandsOfALongFlight) {
 }
 
 TEST(StatePredictor, IgnoresCommandsThatAreNoneOrOutOfOrder) {
-  StatePredictor predictor({0, 500'000});
-  predictor.record(900'000, {0, 1, 0}, Vector3::Zero());
-  predictor.record(950'000, {0, std::numeric_limits<Real>::quiet_NaN(), 0}, Vector3::Zero());
-  predictor.record(800'000, {0, 50, 0}, Vector3::Zero());
+  StatePredictor predictor(at_once(500'000));
+  predictor.record(900'000, {0, 1, 0}, kGravity);
+  predictor.record(950'000, {0, std::numeric_limits<Real>::quiet_NaN(), 0}, kGravity);
+  predictor.record(800'000, {0, 50, 0}, kGravity);
   EXPECT_NEAR(predictor.predict(moving(), 1'100'000).velocity[1], 0.1, kTolerance);
 }
 

@@ -11,17 +11,19 @@ namespace swiftlet {
 /// Gains and bounds of the controller. Position gains are per unit of mass, so they do not change with the payload.
 struct ControllerSettings {
   Real mass = 1;                                           ///< [kg] m
-  Vector3 k_position = {Real(7), Real(7), Real(8)};        ///< [1/s^2] k_x / m
-  Vector3 k_velocity = {Real(4.5), Real(4.5), Real(5)};    ///< [1/s] k_v / m
-  Vector3 k_integral = {Real(4), Real(4), Real(4)};        ///< [1/s^3]
+  Vector3 k_position = {Real(12), Real(12), Real(12)};     ///< [1/s^2] k_x / m
+  Vector3 k_velocity = {Real(5), Real(5), Real(5)};        ///< [1/s] k_v / m
   Vector3 k_attitude = {Real(0.8), Real(0.8), Real(0.3)};  ///< [N m] k_R
   Vector3 k_rate = {Real(0.12), Real(0.12), Real(0.08)};   ///< [N m s] k_omega
   Vector3 k_attitude_rate = {Real(7), Real(7), Real(3)};   ///< [1/s] attitude error to body rate
-  Real drag = 0;                  ///< [1/s] linear drag over mass, added to the commanded acceleration (drag * v)
-  Real integral_max = Real(2.5);  ///< [m/s^2] per axis
-  Real tilt_max = Real(0.6);      ///< [rad] of the commanded attitude, < pi/2
-  Real thrust_min = Real(3);      ///< [m/s^2] specific, > 0: attitude is defined
-  Real thrust_max = Real(18);     ///< [m/s^2]
+  // Position form: what our own feedback adds to the acceleration that the autopilot's slower loop is given.
+  Vector3 k_position_form = {Real(3), Real(3), Real(3)};  ///< [1/s^2]
+  Vector3 k_velocity_form = {Real(1), Real(1), Real(1)};  ///< [1/s]
+  Real form_feedback_max = 1;                             ///< [m/s^2] per axis
+  Real drag = 0;               ///< [1/s] linear drag over mass, added to the position form's acceleration (drag * v)
+  Real tilt_max = Real(0.6);   ///< [rad] of the commanded attitude, < pi/2
+  Real thrust_min = Real(3);   ///< [m/s^2] specific, > 0: attitude is defined
+  Real thrust_max = Real(18);  ///< [m/s^2]
   Vector3 rate_max = {Real(3), Real(3), Real(1.5)};  ///< [rad/s] of the commanded body rates
 };
 
@@ -42,7 +44,7 @@ enum class CommandBasis : std::uint8_t {
 /// One command in all three forms; whichever is sent, its numbers are finite.
 struct TrackingCommand {
   CommandBasis basis = CommandBasis::kLevel;
-  // Position form: the reference itself, drag compensated.
+  // Position form: the reference; its acceleration with drag and, where the state is usable, feedback.
   Vector3 position = Vector3::Zero();
   Vector3 velocity = Vector3::Zero();
   Vector3 acceleration = Vector3::Zero();
@@ -57,28 +59,26 @@ struct TrackingCommand {
   Vector3 moment = Vector3::Zero();  ///< [N m] M_b
   // What the predictor and the log want.
   Vector3 commanded_acceleration = Vector3::Zero();  ///< [m/s^2] after all bounds
-  Vector3 compensation = Vector3::Zero();            ///< [m/s^2] share of it that drag and disturbances are to take
   bool saturated = false;                            ///< a bound of thrust or tilt is active
 };
 
-/// The controller of eq. 4 (Mellinger and Kumar 2011) with integral action:
-///   f = z_B . m (-k_x e_r - k_v e_v + i + a_d + drag v_d + g z_W)     M = -k_R e_R - k_omega e_omega
+/// The controller of eq. 4 (Mellinger and Kumar 2011) with a disturbance d that is known (StatePredictor) taken off,
+/// where the usual one has an integral:
+///   f = z_B . m (-k_x e_r - k_v e_v - d + a_d + g z_W)     M = -k_R e_R - k_omega e_omega
 /// with e_r = r - r_d, e_R = (R_d^T R - R^T R_d)^vee / 2, e_omega = omega - R^T R_d omega_d, and R_d, omega_d from
 /// flatness. The desired force is bounded before the attitude is taken from it: its vertical part to the thrust bounds,
-/// its horizontal part to tilt_max and to what thrust_max leaves. The integral stands still while a bound is active
-/// and never exceeds integral_max.
+/// its horizontal part to tilt_max and to what thrust_max leaves.
 class TrackingController {
  public:
   explicit TrackingController(const ControllerSettings& settings) : settings_(settings) {}
 
-  /// One step of `dt` [s] after the last one. `state` is the measured state predicted to the instant of the reference.
-  /// `integrate` is false on the ground and during take-off, where errors teach nothing.
-  TrackingCommand step(const Reference& reference, const VehicleState& state, Real dt, bool integrate);
+  /// `state` is the measured state predicted to the instant of the reference, `disturbance` [m/s^2] what acts on the
+  /// vehicle beyond thrust and gravity; one that is not finite counts as none. A state that is unusable, or not to be
+  /// trusted (pass one that is unusable), leaves the reference open loop.
+  TrackingCommand step(const Reference& reference, const VehicleState& state, const Vector3& disturbance);
 
-  /// Forgets integral and last attitude: when control was not ours.
+  /// Forgets the last attitude: when control was not ours.
   void reset();
-
-  [[nodiscard]] const Vector3& integral() const { return integral_; }
 
  private:
   bool bound_force(Vector3& force) const;
@@ -87,7 +87,6 @@ class TrackingController {
   [[nodiscard]] TrackingCommand level() const;
 
   ControllerSettings settings_;
-  Vector3 integral_ = Vector3::Zero();              // [m/s^2]
   Matrix3 desired_attitude_ = Matrix3::Identity();  // last desired attitude
   Vector3 desired_rates_ = Vector3::Zero();         // its rates, in its own frame
 };
