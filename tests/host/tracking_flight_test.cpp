@@ -38,7 +38,7 @@ struct Site {
 };
 
 const Site& classroom() {
-  static const Site kSite = [] {
+  static const Site room = [] {
     const World world = make_classroom(1);
     const std::string bt = to_bt(world.grid);
     const auto voxels = parse_octree("classroom", std::as_bytes(std::span(bt)));
@@ -55,7 +55,7 @@ const Site& classroom() {
     }
     return site;
   }();
-  return kSite;
+  return room;
 }
 
 /// What differs from the defaults.
