@@ -307,7 +307,7 @@ void Companion::steer(const Decision& decision) {
   inputs.now = now_;
   inputs.link_delay = link_delay();
   inputs.form = position_only ? SetpointForm::kPosition : settings_.form;
-  inputs.integrate = !position_only;
+  inputs.trusted = decision.setpoints != Setpoints::kPosition;
   inputs.estimate = estimate_;
   inputs.new_estimate = new_estimate_;
   inputs.yaw = mission_.yaw(store_.at_rest(now_));

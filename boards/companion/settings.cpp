@@ -27,6 +27,11 @@ const char* find_fault(const Settings& settings) {
                             settings.delays.position, settings.delays.attitude, settings.delays.rates}) {
     if (!is_time(time)) return "a time: not in 0 to 60 s";
   }
+  const PredictorSettings& predictor = settings.predictor;
+  for (const Real share :
+       {predictor.response_time, predictor.thrust_time, predictor.disturbance_time, predictor.disturbance_max}) {
+    if (!is_share(share)) return "predictor: not in 0 to 100";
+  }
   if (!(settings.yaw.rate_max > 0 && settings.yaw.acceleration_max > 0)) return "yaw limits: not positive";
   return nullptr;
 }

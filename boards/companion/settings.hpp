@@ -30,8 +30,8 @@ struct Margins {
 /// [us]. The reference is sampled that much ahead.
 struct CommandDelays {
   TimeUs position = 150'000;  ///< PX4's position loop was seen 0.16 to 0.22 s late
-  TimeUs attitude = 30'000;   ///< the motors, beyond what the predictor knows
-  TimeUs rates = 10'000;
+  TimeUs attitude = 80'000;   ///< its attitude loop
+  TimeUs rates = 0;
 };
 
 /// Gains and bounds of the controller by the form in use; the position form leaves control to the autopilot.
@@ -44,7 +44,7 @@ struct TakeoffSettings {
   Real height = 1;              ///< [m] above the start, at least; where nothing is free there, the next free above
   Real tolerance = Real(0.15);  ///< [m] of measured height below it at which the climb is over
   TimeUs patience = 20 * kSecondUs;  ///< from arming to that height; then the flight ends by the autopilot's landing
-  TimeUs standing = kSecondUs;       ///< after arming, on the ground: the pose is averaged over it for the alignment
+  TimeUs standing = 5 * kSecondUs;   ///< after arming, on the ground: the pose is averaged over it for the alignment
 };
 
 struct PlanningSettings {

@@ -15,6 +15,12 @@ TimeUs delay_of(const CommandDelays& delays, SetpointForm form) {
   return 0;
 }
 
+VehicleState unusable_state() {
+  VehicleState state;
+  state.attitude.coeffs().setZero();
+  return state;
+}
+
 }  // namespace
 
 Steering::Steering(const Settings& settings)
@@ -30,7 +36,7 @@ void Steering::rest(Real yaw, TimeUs now) {
   change_form(SetpointForm::kPosition);
 }
 
-/// Neither integral nor prediction knows what another form, or somebody else, commanded.
+/// Neither disturbance nor prediction knows what another form, or somebody else, commanded.
 void Steering::change_form(SetpointForm form) {
   if (form == form_) return;
   form_ = form;
@@ -40,7 +46,7 @@ void Steering::change_form(SetpointForm form) {
 }
 
 void Steering::learn_hover_thrust(const SteeringInputs& inputs) {
-  if (form_ == SetpointForm::kPosition || !inputs.integrate) return hover_.pause();
+  if (form_ == SetpointForm::kPosition) return hover_.pause();
   if (!inputs.new_estimate || thrust_ == 0) return;
   const Real cos_tilt = inputs.estimate.attitude.toRotationMatrix()(2, 2);
   hover_.update(inputs.estimate.time, inputs.estimate.velocity.z(), cos_tilt, thrust_);
@@ -58,14 +64,16 @@ TrackingCommand Steering::step(const SteeringInputs& inputs, const TrajectorySto
   last_ = inputs.now;
   change_form(inputs.form);
   learn_hover_thrust(inputs);
-  const TimeUs effect = inputs.now + inputs.link_delay + delay_of(settings_.delays, form_);
+  const TimeUs arrives = inputs.now + inputs.link_delay;
+  const TimeUs effect = arrives + delay_of(settings_.delays, form_);
   step_yaw_towards(inputs, store, effect, dt);
   const Reference reference{store.sample(effect), yaw_.yaw, yaw_.rate};
-  const VehicleState predicted = predictor_.predict(inputs.estimate, effect);
   const bool own_form = form_ != SetpointForm::kPosition;
-  command_ = controller().step(reference, predicted, dt, own_form && inputs.integrate);
+  if (own_form && inputs.new_estimate) predictor_.learn(inputs.estimate);
+  const VehicleState predicted = inputs.trusted ? predictor_.predict(inputs.estimate, effect) : unusable_state();
+  command_ = controller().step(reference, predicted, predictor_.disturbance());
   thrust_ = own_form ? hover_.normalised(command_.thrust) : 0;
-  if (own_form) predictor_.record(effect, command_.commanded_acceleration, command_.compensation);
+  if (own_form) predictor_.record(arrives, command_.commanded_acceleration, command_.thrust);
   return command_;
 }
 

@@ -17,7 +17,7 @@ struct SteeringInputs {
   TimeUs now = 0;
   TimeUs link_delay = 0;  ///< one way
   SetpointForm form = SetpointForm::kPosition;
-  bool integrate = false;  ///< in the air, where errors teach something
+  bool trusted = false;  ///< the estimate; otherwise the reference is sent open loop
   VehicleState estimate;
   bool new_estimate = false;
   std::optional<Real> yaw{};  ///< [rad] wanted; nothing: as the settings say

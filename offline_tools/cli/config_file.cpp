@@ -177,12 +177,13 @@ void visit_gains(Visitor& visitor, ControllerSettings& gains) {
   visitor.number("mass_kg", gains.mass);
   visitor.vector("k_position", gains.k_position);
   visitor.vector("k_velocity", gains.k_velocity);
-  visitor.vector("k_integral", gains.k_integral);
   visitor.vector("k_attitude", gains.k_attitude);
   visitor.vector("k_rate", gains.k_rate);
   visitor.vector("k_attitude_rate", gains.k_attitude_rate);
+  visitor.vector("k_position_form", gains.k_position_form);
+  visitor.vector("k_velocity_form", gains.k_velocity_form);
+  visitor.number("form_feedback_max_m_s2", gains.form_feedback_max);
   visitor.number("drag_1_s", gains.drag);
-  visitor.number("integral_max_m_s2", gains.integral_max);
   visitor.number("tilt_max_rad", gains.tilt_max);
   visitor.number("thrust_min_m_s2", gains.thrust_min);
   visitor.number("thrust_max_m_s2", gains.thrust_max);
@@ -263,6 +264,9 @@ void visit(Visitor& visitor, Settings& settings) {
   });
   visitor.group("predictor", [&] {
     visitor.number("response_time_s", settings.predictor.response_time);
+    visitor.number("thrust_time_s", settings.predictor.thrust_time);
+    visitor.number("disturbance_time_s", settings.predictor.disturbance_time);
+    visitor.number("disturbance_max_m_s2", settings.predictor.disturbance_max);
     visitor.seconds("longest_s", settings.predictor.longest);
   });
   visitor.group("hover_thrust", [&] {

@@ -176,8 +176,6 @@ class Flight {
     }
   }
 
-  // The heading does not drift before arming and is averaged over all of the time on the ground, the position does and
-  // is averaged over the five seconds after it.
   void add_pose() {
     const mavlink::VehicleState& local = link_.local_vehicle();
     const double yaw = mavlink::yaw_of(local.attitude);
@@ -199,6 +197,7 @@ class Flight {
     if (!link_.request_arm(true)) return false;
     wait(kSecondUs / 5, true);
     place_.setZero();
+    heading_.setZero();
     places_ = 0;
     wait(5 * kSecondUs, true);
     align();
