@@ -47,6 +47,9 @@ class Simulation {
   void restart_autopilot(Microseconds duration);
   [[nodiscard]] bool booting() const { return time_ < booted_at_; }
 
+  /// The ground's height where the vehicle is now [m]; no change while it stands.
+  void set_ground(double height) { quadrotor_.set_ground(height); }
+
   /// The least distance of the vehicle's centre to an obstacle is measured between these calls.
   void measure_clearance(bool on) { measures_clearance_ = on; }
   [[nodiscard]] double clearance() const { return clearance_.least(); }  ///< [m]

@@ -1,0 +1,31 @@
+#pragma once
+#include <vector>
+
+#include "swiftlet/types.hpp"
+
+namespace swiftlet::tools {
+
+/// What a vehicle in a map stands on or comes down to: a pad below its start, else the top of the highest obstacle below
+/// it, else the lowest height of the map.
+class Floor {
+ public:
+  /// `bounds` are the map's. The pad is level, kPadSize wide and `kPadDrop` below the start, or on top of the obstacle or
+  /// the bottom of the map that is nearer.
+  Floor(std::vector<Box> obstacles, const Box& bounds, const Vector3& start_W);
+
+  static constexpr double kPadDrop = 1;    // [m]
+  static constexpr double kPadSize = 0.5;  // [m]
+
+  /// Where the vehicle's centre is when it stands on the pad [m], frame W.
+  [[nodiscard]] const Vector3& pad() const { return pad_; }
+  [[nodiscard]] double below(const Vector3& p_W) const;  ///< [m] height
+
+ private:
+  [[nodiscard]] double obstacle_below(const Vector3& p_W) const;
+
+  std::vector<Box> obstacles_;
+  double lowest_;
+  Vector3 pad_;
+};
+
+}  // namespace swiftlet::tools
