@@ -120,7 +120,23 @@ print()
 for name, value in rows:
     print(f"  {name:<12} {value}")
 PYTHON
-  printf '\nOpen %s/out/demo.html in a browser.\n' "$PWD"
+  show "$program" fly out/demo.swm --start 2.600,4.920,1.720 --goal 23.080,-0.600,0.600 --vmax 1 --amax 1 --in-process \
+    --json out/demo_flight.json --report out/demo_flight.html
+  python3 - <<'PYTHON'
+import json
+flight = json.load(open("out/demo_flight.json"))
+tracking = flight["tracking"]
+rows = [
+    ("flight", flight["status"] + (", landed" if flight["landed"] else "")),
+    ("duration", f"{flight['flown_duration']:.2f} s"),
+    ("tracking", f"{tracking['rms']:.3f} m RMS, {tracking['max']:.3f} m at most"),
+    ("clearance", f"{flight['flown_clearance']:.3f} m from the vehicle's centre to the nearest voxel"),
+]
+print()
+for name, value in rows:
+    print(f"  {name:<12} {value}")
+PYTHON
+  printf '\nOpen %s/out/demo.html and %s/out/demo_flight.html in a browser.\n' "$PWD" "$PWD"
 }
 
 bench() {
@@ -150,8 +166,16 @@ fuzz() {
   for pid in "${pids[@]}"; do wait "$pid"; done
 }
 
-# The property tests with 50 times the cases of host-release.
-soak() {
+# soak flights [N]: N seeded flights in lock-step, every one checked.
+soak_flights() {
+  install "${host_packages[@]}"
+  build_target host-release swiftlet
+  nice python3 tests/soak/flights.py "$program" out/flights --count "${1:-1000}" --octomap "$(real_map)" --jobs "$jobs" \
+    --table out/flights/table.md
+}
+
+# soak [properties]: the property tests with 50 times the cases of host-release.
+soak_properties() {
   cmake --preset host-release -B build/soak -DSWIFTLET_PROPERTY_RUNS=100000 -DSWIFTLET_TEST_SECONDS=86400
   cmake --build build/soak -j "$jobs"
   ctest --test-dir build/soak -j 2 --output-on-failure --no-tests=error -R property </dev/null
@@ -163,11 +187,11 @@ usage() {
 ./go build [PRESET]  build one preset, or all of them
 ./go test            build every preset and run every test
 ./go check           formatting and static analysis
-./go demo            plan through a scanned building and write a page to look at
+./go demo            plan through a scanned building, fly it, and write pages to look at
 ./go run ARGS        the release build of the program swiftlet
 ./go bench [ARGS]    the benchmarks
 ./go fuzz [SECONDS]  the readers under a fuzzer
-./go soak            the property tests at length
+./go soak [NAME]     at length: the property tests, or 'flights [N]', a thousand simulated ones
 TEXT
 }
 
@@ -185,7 +209,16 @@ run)
   ;;
 bench) bench "$@" ;;
 fuzz) fuzz "$@" ;;
-soak) soak ;;
+soak)
+  case ${1:-properties} in
+  properties) soak_properties ;;
+  flights) soak_flights "${@:2}" ;;
+  *)
+    echo "go: there is no soak '$1': properties and flights exist" >&2
+    exit 2
+    ;;
+  esac
+  ;;
 '') usage ;;
 *)
   echo "go: unknown verb '$verb'" >&2

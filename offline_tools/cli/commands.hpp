@@ -14,6 +14,7 @@ void add_map_commands(CLI::App& app, Command& chosen);
 void add_plan_command(CLI::App& app, Command& chosen);
 void add_solve_command(CLI::App& app, Command& chosen);
 void add_verify_command(CLI::App& app, Command& chosen);
+void add_fly_command(CLI::App& app, Command& chosen);
 void add_world_command(CLI::App& app, Command& chosen);
 
 /// A subcommand that answers --help and --version like the program itself.

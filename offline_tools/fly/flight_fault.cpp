@@ -15,7 +15,8 @@ constexpr double kUsualSleep = 0.5;  // [s]
 constexpr std::array kKinds{
     KindText{CompanionFaultKind::kSleep, "sleep", "the companion is not run (0.5 s)"},
     KindText{CompanionFaultKind::kClockStep, "clock-step", "the companion's own clock jumps 5 s ahead"},
-    KindText{CompanionFaultKind::kMapReplaced, "map-replaced", "the companion is given its map anew, under another CRC"},
+    KindText{CompanionFaultKind::kMapReplaced, "map-replaced",
+             "the companion is given its map anew, under another CRC"},
     KindText{CompanionFaultKind::kStorageFull, "storage-full", "the companion's log cannot grow any more"},
 };
 

@@ -17,7 +17,8 @@ double Floor::below(const Vector3& p_W) const {
 double Floor::obstacle_below(const Vector3& p_W) const {
   double height = std::min(lowest_, p_W.z());
   for (const Box& box : obstacles_) {
-    const bool covers = p_W.x() >= box.lo.x() && p_W.x() <= box.hi.x() && p_W.y() >= box.lo.y() && p_W.y() <= box.hi.y();
+    const bool covers =
+        p_W.x() >= box.lo.x() && p_W.x() <= box.hi.x() && p_W.y() >= box.lo.y() && p_W.y() <= box.hi.y();
     if (covers && box.hi.z() <= p_W.z()) height = std::max(height, box.hi.z());
   }
   return height;

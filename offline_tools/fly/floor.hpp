@@ -5,12 +5,12 @@
 
 namespace swiftlet::tools {
 
-/// What a vehicle in a map stands on or comes down to: a pad below its start, else the top of the highest obstacle below
-/// it, else the lowest height of the map.
+/// What a vehicle in a map stands on or comes down to: a pad below its start, else the top of the highest obstacle
+/// below it, else the lowest height of the map.
 class Floor {
  public:
-  /// `bounds` are the map's. The pad is level, kPadSize wide and `kPadDrop` below the start, or on top of the obstacle or
-  /// the bottom of the map that is nearer.
+  /// `bounds` are the map's. The pad is level, kPadSize wide and `kPadDrop` below the start, or on top of the obstacle
+  /// or the bottom of the map that is nearer.
   Floor(std::vector<Box> obstacles, const Box& bounds, const Vector3& start_W);
 
   static constexpr double kPadDrop = 1;    // [m]

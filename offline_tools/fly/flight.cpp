@@ -1,0 +1,268 @@
+#include "fly/flight.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <thread>
+
+#include "fly/flight_observer.hpp"
+#include "sim/lockstep_uart.hpp"
+#include "swiftlet/hal/fake_clock.hpp"
+#include "swiftlet/hal/monotonic_clock.hpp"
+#include "swiftlet/hal/posix_uart.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+constexpr Microseconds kPeriod{10'000};  // of the companion's steps
+constexpr std::uint32_t kBaud = 921'600;
+
+double seconds(Microseconds time) { return std::chrono::duration<double>(time).count(); }
+
+/// The same map under another CRC, as another file would have it.
+class OtherMap {
+ public:
+  explicit OtherMap(const BoxGraphView& map) : words_((map.bytes().size() + 7) / 8) {
+    const std::span<std::byte> bytes = std::as_writable_bytes(std::span(words_)).first(map.bytes().size());
+    std::copy(map.bytes().begin(), map.bytes().end(), bytes.begin());
+    BlobHeader header = map.header();
+    ++header.source_digest[0];
+    std::memcpy(bytes.data(), &header, sizeof(header));
+    header.crc32 = blob_crc32(bytes);
+    std::memcpy(bytes.data(), &header, sizeof(header));
+    view_ = *BoxGraphView::open(bytes);
+  }
+  [[nodiscard]] const BoxGraphView& view() const { return view_; }
+
+ private:
+  std::vector<std::uint64_t> words_;
+  BoxGraphView view_;
+};
+
+Box bounds_of(const BoxGraphView& map) {
+  const auto& size = map.header().size;
+  return map.to_world({{0, 0, 0},
+                       {static_cast<std::uint16_t>(size[0]), static_cast<std::uint16_t>(size[1]),
+                        static_cast<std::uint16_t>(size[2])}});
+}
+
+/// Where the autopilot's local frame lies in the map is nothing that the companion may know: anywhere, turned anyhow.
+void hide_frame(SimulationSettings& simulation) {
+  Noise noise(SplitMix64(simulation.seed * 16 + 5).next());
+  constexpr double kFar = 20;  // [m]
+  const auto share = [&] { return 2 * noise.uniform() - 1; };
+  simulation.estimator.origin = simulation.start + kFar * Vector3{share(), share(), share() / 10};
+  simulation.estimator.heading = std::numbers::pi * share();
+}
+
+PixhawkSimSettings complete(const FlightRequest& request, const Floor& floor, const std::vector<Box>& obstacles) {
+  PixhawkSimSettings sim = request.sim;
+  sim.simulation.start = floor.pad();
+  sim.simulation.start_yaw = request.yaw;
+  sim.simulation.obstacles = obstacles;
+  hide_frame(sim.simulation);
+  for (const FlightFault& fault : request.faults) {
+    if (const Fault* far = std::get_if<Fault>(&fault)) sim.faults.push_back(*far);
+  }
+  return sim;
+}
+
+companion::Settings complete(const companion::Settings& configured, const FlightRequest& request, const Floor& floor) {
+  companion::Settings settings = configured;
+  settings.start = floor.pad();
+  settings.start_yaw = request.yaw;
+  settings.takeoff.height = request.start.z() - floor.pad().z();
+  settings.engage_at_start = true;
+  settings.land_at_end = true;
+  return settings;
+}
+
+/// The companion with its operator and everything that can go wrong on its side of the line.
+class Captain {
+ public:
+  Captain(const FlightRequest& request, const FlightWorld& world, const Floor& floor, hal::Uart& uart,
+          hal::Clock& clock)
+      : request_(request),
+        world_(world),
+        watch_(uart, clock),
+        companion_(complete(request.companion, request, floor), world.map, world.memory,
+                   {watch_, world.planner, world.log}),
+        observer_(request, world.planner) {
+    for (const FlightFault& fault : request.faults) {
+      if (const CompanionFault* near = std::get_if<CompanionFault>(&fault)) waiting_.push_back(*near);
+    }
+  }
+
+  /// One turn at time `now` of the simulation, with the vehicle's true state then.
+  void step(Microseconds now, const RigidState& truth) {
+    const double t = seconds(now);
+    begin_faults(t);
+    while (goals_given_ < request_.goals.size() && companion_.add_goal(request_.goals[goals_given_])) ++goals_given_;
+    watch_.begin_step(now + clock_offset_);
+    if (t >= asleep_until_) companion_.step(now + clock_offset_);
+    observer_.see(t, companion_, truth, watch_);
+  }
+
+  void note_fault(const Fault& fault, double t) { observer_.note_fault(fault, t); }
+  [[nodiscard]] bool measures() const { return observer_.measures(); }
+  [[nodiscard]] bool finished() const { return observer_.finished(); }
+  FlightReport report(double clearance) { return observer_.report(companion_, watch_, clearance); }
+
+ private:
+  void begin_faults(double t) {
+    for (const CompanionFault& fault : waiting_) {
+      if (t >= fault.at) begin(fault, t);
+    }
+    std::erase_if(waiting_, [t](const CompanionFault& fault) { return t >= fault.at; });
+  }
+
+  void begin(const CompanionFault& fault, double t) {
+    observer_.note_fault(fault, t);
+    switch (fault.kind) {
+      case CompanionFaultKind::kSleep:
+        asleep_until_ = t + fault.duration;
+        return;
+      case CompanionFaultKind::kClockStep:
+        clock_offset_ += kClockStep;
+        return;
+      case CompanionFaultKind::kMapReplaced:
+        other_map_ = std::make_unique<OtherMap>(world_.map);
+        (void)companion_.replace_map(other_map_->view());
+        return;
+      case CompanionFaultKind::kStorageFull:
+        if (world_.storage != nullptr) world_.storage->fill();
+        return;
+    }
+  }
+
+  const FlightRequest& request_;
+  const FlightWorld& world_;
+  SetpointWatch watch_;
+  companion::Companion companion_;
+  FlightObserver observer_;
+  std::vector<CompanionFault> waiting_;
+  std::unique_ptr<OtherMap> other_map_;
+  std::size_t goals_given_ = 0;
+  double asleep_until_ = 0;
+  Microseconds clock_offset_{0};
+};
+
+FlightReport fly_in_lockstep(const FlightRequest& request, const FlightWorld& world, const Floor& floor) {
+  PixhawkSim sim(complete(request, floor, world.obstacles));
+  sim.simulation().measure_clearance(false);
+  LockstepUart uart(sim);
+  hal::FakeClock clock;
+  const auto captain = std::make_unique<Captain>(request, world, floor, uart, clock);
+  while (!captain->finished()) {
+    const RigidState& truth = sim.simulation().truth();
+    sim.simulation().set_ground(floor.below(truth.position));
+    clock.advance(kPeriod);
+    uart.advance(kPeriod);
+    for (const Fault& fault : sim.take_begun()) captain->note_fault(fault, fault.at);
+    captain->step(sim.time(), truth);
+    sim.simulation().measure_clearance(captain->measures());
+  }
+  return captain->report(sim.simulation().clearance());
+}
+
+/// The simulation on its own thread, a millisecond at a time with the wall's clock, at the controlling end of a
+/// pseudo-terminal.
+class RealTimeSim {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  RealTimeSim(const PixhawkSimSettings& settings, const Floor& floor, hal::PseudoTerminal& pty, Clock::time_point start)
+      : sim_(settings), floor_(floor), pty_(pty), start_(start) {
+    sim_.simulation().measure_clearance(false);
+    thread_ = std::thread([this] { run(); });
+  }
+  ~RealTimeSim() {
+    stopped_ = true;
+    thread_.join();
+  }
+  RealTimeSim(const RealTimeSim&) = delete;
+  RealTimeSim& operator=(const RealTimeSim&) = delete;
+
+  /// The true state at `now`; what has happened since the last step by constant velocity.
+  RigidState truth(Microseconds now) {
+    const std::lock_guard lock(mutex_);
+    RigidState state = sim_.simulation().truth();
+    state.position += state.velocity * seconds(now - sim_.time());
+    return state;
+  }
+  std::vector<Fault> take_begun() {
+    const std::lock_guard lock(mutex_);
+    return sim_.take_begun();
+  }
+  void measure_clearance(bool on) {
+    const std::lock_guard lock(mutex_);
+    sim_.simulation().measure_clearance(on);
+  }
+  double clearance() {
+    const std::lock_guard lock(mutex_);
+    return sim_.simulation().clearance();
+  }
+  double lag_max() {
+    const std::lock_guard lock(mutex_);
+    return lag_max_;
+  }
+
+ private:
+  void run() {
+    std::array<std::byte, 4096> buffer{};
+    for (Microseconds next = Simulation::kStep; !stopped_; next += Simulation::kStep) {
+      std::this_thread::sleep_until(start_ + next);
+      const std::lock_guard lock(mutex_);
+      for (std::size_t count = pty_.read(buffer); count > 0; count = pty_.read(buffer)) {
+        sim_.receive(std::span(buffer).first(count));
+      }
+      sim_.simulation().set_ground(floor_.below(sim_.simulation().truth().position));
+      (void)pty_.write(sim_.step());  // what the line cannot take is lost, as on a real one
+      lag_max_ = std::max(lag_max_, std::chrono::duration<double>(Clock::now() - start_ - next).count());
+    }
+  }
+
+  PixhawkSim sim_;
+  const Floor& floor_;
+  hal::PseudoTerminal& pty_;
+  Clock::time_point start_;
+  std::mutex mutex_;
+  std::atomic<bool> stopped_ = false;
+  double lag_max_ = 0;
+  std::thread thread_;
+};
+
+Expected<FlightReport> fly_in_real_time(const FlightRequest& request, const FlightWorld& world, const Floor& floor) {
+  hal::PseudoTerminal pty;
+  hal::SerialPort port;
+  if (!pty.open() || !port.open(pty.peer_path().c_str(), kBaud)) {
+    return bad_file(std::string("no pseudo-terminal can be had: ") + std::strerror(errno));
+  }
+  hal::MonotonicClock clock;
+  const auto captain = std::make_unique<Captain>(request, world, floor, port, clock);
+  const RealTimeSim::Clock::time_point start = RealTimeSim::Clock::now();
+  const auto sim = std::make_unique<RealTimeSim>(complete(request, floor, world.obstacles), floor, pty, start);
+  for (Microseconds next = kPeriod; !captain->finished(); next += kPeriod) {
+    std::this_thread::sleep_until(start + next);
+    const auto now = std::chrono::duration_cast<Microseconds>(RealTimeSim::Clock::now() - start);
+    for (const Fault& fault : sim->take_begun()) captain->note_fault(fault, fault.at);
+    captain->step(now, sim->truth(now));
+    sim->measure_clearance(captain->measures());
+  }
+  FlightReport report = captain->report(sim->clearance());
+  report.lag_max = sim->lag_max();
+  return report;
+}
+
+}  // namespace
+
+Expected<FlightReport> fly(const FlightRequest& request, const FlightWorld& world) {
+  const Floor floor(world.obstacles, bounds_of(world.map), request.start);
+  return request.in_process ? fly_in_lockstep(request, world, floor) : fly_in_real_time(request, world, floor);
+}
+
+}  // namespace swiftlet::tools

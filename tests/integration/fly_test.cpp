@@ -1,0 +1,210 @@
+// `swiftlet fly`: the closed loop of companion and simulated autopilot, its report, and every kind of fault.
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "program.hpp"
+#include "two_rooms.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+using Words = std::vector<std::string>;
+
+class FlyTest : public FolderTest {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(swiftlet({"world", "classroom", "--seed", "1", "-o", path("room.bt")}).status, 0);
+    ASSERT_EQ(swiftlet({"map", "build", path("room.bt"), "-o", path("room.swm"), "--radius", "0.3"}).status, 0);
+  }
+
+  [[nodiscard]] Words flight(const Words& extra) const {
+    Words words{"fly",    path("room.swm"), "--start", "0.48,0.48,0.8", "--goal",      "3.68,2.72,0.8",
+                "--goal", "1,2.6,1.2",    "--goal",  "3.36,0.8,0.8",  "--in-process"};
+    words.insert(words.end(), extra.begin(), extra.end());
+    return words;
+  }
+  Json fly(const Words& extra, int status = 0) {
+    Words words = flight(extra);
+    words.insert(words.end(), {"--json", path("flight.json")});
+    const Outcome run = swiftlet(words);
+    EXPECT_EQ(run.status, status) << run.err;
+    return Json::parse(read_text(path("flight.json")));
+  }
+};
+
+TEST_F(FlyTest, ArrivesAtEveryGoalLandsAndReportsAsTheContractSays) {
+  for (const char* form : {"attitude", "rates"}) {
+    const Json report = fly({"--setpoint", form});
+    EXPECT_EQ(report["format"], "swiftlet-flight/1");
+    EXPECT_EQ(report["status"], "arrived");
+    EXPECT_TRUE(report["landed"]);
+    EXPECT_EQ(report["plan"]["format"], "swiftlet-plan/1");
+    EXPECT_EQ(report["plan"]["status"], "optimal");
+    EXPECT_EQ(report["plan"]["request"]["goal"]["position"], Json::array({3.68, 2.72, 0.8}));
+    EXPECT_TRUE(report["plan"]["certificate"]["pass"]);
+    EXPECT_GT(report["link"]["messages_in"], 1000);
+    EXPECT_GT(report["link"]["messages_out"], 1000);
+    EXPECT_EQ(report["link"]["crc_errors"], 0);
+    EXPECT_LT(report["link"]["load_in"], 0.3);
+    EXPECT_LT(report["link"]["load_out"], 0.3);
+    EXPECT_GT(report["tracking"]["rms"], 0);
+    EXPECT_LE(report["tracking"]["rms"], report["tracking"]["max"]);
+    EXPECT_LT(report["tracking"]["max"], report["margins"]["tracking_tube"]);
+    EXPECT_GT(report["flown_clearance"], report["margins"]["vehicle_radius"]);
+    EXPECT_GT(report["flown_duration"], report["plan"]["duration"]);
+    EXPECT_EQ(report["arrivals"].size(), 3);
+    EXPECT_EQ(report["setpoints"]["stale"], 0);
+    EXPECT_EQ(report["setpoints"]["repeated"], 0);
+    double last = 0;
+    for (const Json& event : report["events"]) {
+      EXPECT_LE(last, event["t"]);
+      last = event["t"];
+      EXPECT_TRUE(event["what"].is_string());
+    }
+    for (const Json& speed : report["reference"]["max_speed"]) EXPECT_LE(speed, 1.001);
+    for (const Json& acceleration : report["reference"]["max_acceleration"]) EXPECT_LE(acceleration, 2.001);
+  }
+}
+
+/// The report without what planning took, which is measured.
+std::string timeless(Json report) {
+  for (const char* time : {"search_us", "trajectory_us", "total_us"}) report["plan"]["stats"].erase(time);
+  for (Json& plan : report["plans"]) plan.erase("total_us");
+  return report.dump();
+}
+
+TEST_F(FlyTest, TheSameSeedGivesTheSameReportAndAnotherOneDoesNot) {
+  const Words windy{"--wind", "1,1,0", "--gust", "2", "--fault", "loss@12", "--seed"};
+  const auto with_seed = [&](const char* seed) {
+    Words words = windy;
+    words.emplace_back(seed);
+    return timeless(fly(words));
+  };
+  const std::string first = with_seed("3");
+  EXPECT_EQ(first, with_seed("3"));
+  EXPECT_NE(first, with_seed("4"));
+}
+
+struct FaultCase {
+  const char* fault;
+  bool noticed;
+  double latest;         // [s] of the reaction
+  const char* reaction;  // part of its text
+  std::set<std::string> ends;
+};
+
+TEST_F(FlyTest, EveryFaultEndsArrivedHoldingOrYieldedWithItsReason) {
+  const std::vector<FaultCase> cases{
+      {"cut@14", true, 0.25, "odometry too old", {"yielded"}},
+      {"corrupt@14", false, 5, "", {"arrived"}},
+      {"loss@14", false, 5, "", {"arrived"}},
+      {"stall@14", true, 0.25, "", {"arrived"}},
+      {"starve@14", false, 2, "", {"arrived", "yielded"}},
+      {"odometry-stale@14", true, 0.25, "odometry too old", {"arrived"}},
+      {"odometry-nan@14", true, 0.25, "impossible numbers", {"arrived"}},
+      {"position-jump@14", true, 0.05, "position jumped", {"holding"}},
+      {"restart@14", true, 4, "", {"yielded"}},
+      {"pilot@14", true, 0.05, "mode was changed", {"yielded"}},
+      {"clock-jump@14", false, 1, "", {"arrived", "holding"}},
+      {"sleep@14", true, 0.6, "", {"arrived"}},
+      {"clock-step@14", true, 0.02, "clock jumped", {"arrived"}},
+      {"map-replaced@14", true, 0.02, "map was replaced", {"arrived"}},
+      {"storage-full@14", true, 1, "no room left", {"arrived"}},
+  };
+  for (const FaultCase& test : cases) {
+    Words words = flight({"--fault", test.fault, "--json", path("flight.json")});
+    const Outcome run = swiftlet(words);
+    const Json report = Json::parse(read_text(path("flight.json")));
+    const bool arrived = report["status"] == "arrived";
+    const std::string end = arrived ? "arrived" : report["state"].get<std::string>();
+    EXPECT_EQ(run.status, arrived ? 0 : 1) << test.fault;
+    EXPECT_TRUE(test.ends.count(end) == 1) << test.fault << " ends " << end << ": " << report["status"];
+    EXPECT_EQ(arrived, !report.contains("reason")) << test.fault;
+    EXPECT_EQ(report["setpoints"]["stale"], 0) << test.fault;
+    EXPECT_EQ(report["setpoints"]["repeated"], 0) << test.fault;
+    EXPECT_GT(report["flown_clearance"], report["margins"]["vehicle_radius"]) << test.fault;
+    ASSERT_EQ(report["faults"].size(), 1) << test.fault;
+    const Json& answer = report["faults"][0];
+    EXPECT_TRUE(!test.noticed || !answer["after"].is_null()) << test.fault;
+    if (answer["after"].is_null()) continue;
+    EXPECT_LE(answer["after"], test.latest) << test.fault;
+    EXPECT_NE(answer["what"].get<std::string>().find(test.reaction), std::string::npos) << test.fault << answer;
+  }
+}
+
+// ------------------------------------------------------------------------------------------------------- bad input
+
+TEST_F(FlyTest, EndsThatCannotBeFlownToAreRefusedBeforeTheFlight) {
+  write_two_rooms(path("two.bt"));
+  ASSERT_EQ(swiftlet({"map", "build", path("two.bt"), "-o", path("two.swm"), "--radius", "0.15"}).status, 0);
+  const auto refuses = [&](const char* start, const char* goal, const Words& words) {
+    const Words command{"fly",          path("two.swm"), "--start",          start, "--goal", kLeftToo, "--goal", goal,
+                        "--in-process", "--json",        path("flight.json")};
+    const testing::AssertionResult result = refused(swiftlet(command), 1, words);
+    if (!result) return result;
+    const Json report = Json::parse(read_text(path("flight.json")));
+    if (report["status"] != words[0]) return testing::AssertionFailure() << report["status"];
+    if (!report["tracking"]["rms"].is_null()) return testing::AssertionFailure() << "it flew";
+    return testing::AssertionSuccess();
+  };
+  EXPECT_TRUE(refuses(kInPillar, kLeft, {"start_not_free", "occupied", "nearest free point"}));
+  EXPECT_TRUE(refuses(kLeft, kInHole, {"goal_not_free", "goal 2", "unknown", "nearest free point"}));
+  EXPECT_TRUE(refuses(kLeft, kOutside, {"goal_not_free", "goal 2", "outside"}));
+  EXPECT_TRUE(refuses(kLeft, kRight, {"no_path", "component 0", "component 1"}));
+}
+
+TEST_F(FlyTest, CommandLinesThatAreNoFlightAreUsageErrors) {
+  const Words before = files();
+  const auto refuses = [&](const Words& extra, const Words& words) {
+    return refused(swiftlet(flight(extra)), 2, words);
+  };
+  EXPECT_TRUE(refused(swiftlet({"fly"}), 2, {"map"}));
+  EXPECT_TRUE(refused(swiftlet({"fly", path("room.swm"), "--start", "1,1,1"}), 2, {"--goal"}));
+  EXPECT_TRUE(refused(swiftlet({"fly", path("room.swm"), "--goal", "1,1,1"}), 2, {"--start"}));
+  for (const char* bad : {"nan,0,0", "0,0", "0,0,0,0", "a,b,c", "", "0,,0", "1e999,0,0", "1e9,0,0"}) {
+    EXPECT_TRUE(refuses({"--goal", bad}, {"--goal"})) << bad;
+  }
+  for (const char* bad : {"north", "1,2", "nan", "", "1000", "0,0,inf"}) {
+    EXPECT_TRUE(refuses({"--wind", bad}, {"--wind"})) << bad;
+  }
+  for (const char* bad : {"", "cut", "@5", "cut@", "cut@-1", "cut@nan", "cut@soon", "meteor@5", "sleep@1+", "sleep@1+x",
+                          "position-jump@5+1", "clock-step@5+1", "map-replaced@5+1", "storage-full@"}) {
+    EXPECT_TRUE(refuses({"--fault", bad}, {"--fault"})) << bad;
+  }
+  EXPECT_TRUE(refuses({"--setpoint", "thrust"}, {"--setpoint"}));
+  for (const char* bad : {"0", "-1", "nan", "1e9", "", "fast"}) {
+    EXPECT_TRUE(refuses({"--vmax", bad}, {"--vmax"})) << bad;
+    EXPECT_TRUE(refuses({"--amax", bad}, {"--amax"})) << bad;
+    EXPECT_TRUE(refuses({"--jmax", bad}, {"--jmax"})) << bad;
+  }
+  for (const char* bad : {"-1", "nan", "1e9", ""}) {
+    EXPECT_TRUE(refuses({"--gust", bad}, {"--gust"})) << bad;
+    EXPECT_TRUE(refuses({"--link-delay", bad}, {"--link-delay"})) << bad;
+  }
+  for (const char* bad : {"-1", "1.5", "many", "99999999999999999999"}) {
+    EXPECT_TRUE(refuses({"--seed", bad}, {"--seed"})) << bad;
+  }
+  EXPECT_TRUE(refuses({"--yaw", "400"}, {"--yaw"}));
+  EXPECT_TRUE(refuses({"--json", path("room.swm")}, {"input"}));
+  EXPECT_TRUE(refuses({"--json", path("a"), "--report", path("a")}, {"a"}));
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(FlyTest, FilesThatCannotBeReadOrWrittenAreNamed) {
+  const auto refuses = [&](const Words& extra, const Words& words) {
+    return refused(swiftlet(flight(extra)), 3, words);
+  };
+  const Words none{"fly", path("none.swm"), "--start", "0,0,0", "--goal", "1,1,1", "--in-process"};
+  EXPECT_TRUE(refused(swiftlet(none), 3, {"none.swm"}));
+  EXPECT_TRUE(refuses({"--vehicle", path("none.json")}, {"none.json"}));
+  write_text(path("v.json"), R"({"format":"swiftlet-vehicle/1"})");
+  EXPECT_TRUE(refuses({"--vehicle", path("v.json")}, {"v.json", "mass_kg"}));
+  for (const char* option : {"--json", "--report", "--log"}) {
+    EXPECT_TRUE(refuses({option, path("no/folder/f")}, {"no/folder"})) << option;
+    EXPECT_TRUE(refuses({option, path(".")}, {"folder"})) << option;
+  }
+}
+
+}  // namespace
+}  // namespace swiftlet::tools
