@@ -43,13 +43,6 @@ class OtherMap {
   BoxGraphView view_;
 };
 
-Box bounds_of(const BoxGraphView& map) {
-  const auto& size = map.header().size;
-  return map.to_world({{0, 0, 0},
-                       {static_cast<std::uint16_t>(size[0]), static_cast<std::uint16_t>(size[1]),
-                        static_cast<std::uint16_t>(size[2])}});
-}
-
 /// Where the autopilot's local frame lies in the map is nothing that the companion may know: anywhere, turned anyhow.
 void hide_frame(SimulationSettings& simulation) {
   Noise noise(SplitMix64(simulation.seed * 16 + 5).next());
@@ -261,7 +254,7 @@ Expected<FlightReport> fly_in_real_time(const FlightRequest& request, const Flig
 }  // namespace
 
 Expected<FlightReport> fly(const FlightRequest& request, const FlightWorld& world) {
-  const Floor floor(world.obstacles, bounds_of(world.map), request.start);
+  const Floor floor(world.map, world.obstacles, request.start);
   return request.in_process ? fly_in_lockstep(request, world, floor) : fly_in_real_time(request, world, floor);
 }
 

@@ -3,10 +3,22 @@
 #include <algorithm>
 
 namespace swiftlet::tools {
+namespace {
 
-Floor::Floor(std::vector<Box> obstacles, const Box& bounds, const Vector3& start_W)
-    : obstacles_(std::move(obstacles)), lowest_(bounds.lo.z()), pad_(start_W) {
-  pad_.z() = std::max(obstacle_below(start_W), start_W.z() - kPadDrop);
+/// Height of the lowest point from which all is free up to `p_W`, within kPadDrop.
+double lowest_free(const BoxGraphView& map, const Vector3& p_W) {
+  constexpr double kStep = 0.01;  // [m]
+  Vector3 p = p_W;
+  while (p.z() - kStep >= p_W.z() - Floor::kPadDrop && map.locate(p - kStep * Vector3::UnitZ())) p.z() -= kStep;
+  return p.z();
+}
+
+}  // namespace
+
+Floor::Floor(const BoxGraphView& map, std::vector<Box> obstacles, const Vector3& start_W)
+    : obstacles_(std::move(obstacles)), lowest_(map.header().origin[2]), pad_(start_W) {
+  const double reach = lowest_free(map, start_W) - map.header().radius;
+  pad_.z() = std::max({obstacle_below(start_W), start_W.z() - kPadDrop, reach});
 }
 
 double Floor::below(const Vector3& p_W) const {

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "swiftlet/box_graph_view.hpp"
 #include "swiftlet/types.hpp"
 
 namespace swiftlet::tools {
@@ -9,9 +10,9 @@ namespace swiftlet::tools {
 /// below it, else the lowest height of the map.
 class Floor {
  public:
-  /// `bounds` are the map's. The pad is level, kPadSize wide and `kPadDrop` below the start, or on top of the obstacle
-  /// or the bottom of the map that is nearer.
-  Floor(std::vector<Box> obstacles, const Box& bounds, const Vector3& start_W);
+  /// The pad is level and kPadSize wide. It lies kPadDrop below the start; higher where an obstacle, or the radius
+  /// below the lowest free point under the start, is nearer: a take-off leads straight up into free space.
+  Floor(const BoxGraphView& map, std::vector<Box> obstacles, const Vector3& start_W);
 
   static constexpr double kPadDrop = 1;    // [m]
   static constexpr double kPadSize = 0.5;  // [m]
