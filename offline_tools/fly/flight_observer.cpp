@@ -129,6 +129,7 @@ void FlightObserver::see_phase(const Telemetry& telemetry) {
   if (telemetry.phase != phase_) enter(telemetry.phase);
   state_ = telemetry.state;
   phase_ = telemetry.phase;
+  if (state_ != FlightState::kLanded) flown_state_ = state_;
   const bool flies = phase_ == Phase::kMission && in_control(state_);
   if (flies && !begun_) {
     begun_ = true;
@@ -172,7 +173,7 @@ void FlightObserver::see_tracking(const Telemetry& telemetry, const RigidState& 
 }
 
 void FlightObserver::see_setpoint(const Telemetry& telemetry, const SetpointWatch& watch) {
-  const bool moves = telemetry.has_reference && telemetry.reference.sample.velocity.norm() > kAtRest;
+  const bool moves = telemetry.command.velocity.norm() > kAtRest;  // of the reference when the command takes effect
   if (watch.sent() && watch.repeated() && moves) ++report_.setpoints.repeated;
 }
 
@@ -198,8 +199,9 @@ double FlightObserver::patience() const {
   switch (phase_) {
     case Phase::kGround:
     case Phase::kTakeoff:
-    case Phase::kLanding:
       return 40;
+    case Phase::kLanding:
+      return 120;  // PX4 crawls below the height that it was armed at
     case Phase::kMission:
       return state_ == FlightState::kHolding ? 10 : request_.longest;
     case Phase::kDone:
@@ -216,8 +218,8 @@ FlightReport FlightObserver::report(const companion::Companion& companion, const
   const std::uint32_t repeated = report_.setpoints.repeated;
   report_.setpoints = describe_setpoints(watch);
   report_.setpoints.repeated = repeated;
-  report_.state = state_;
-  report_.landed = phase_ == Phase::kDone;
+  report_.state = flown_state_;
+  report_.landed = phase_ == Phase::kDone || state_ == FlightState::kLanded;
   report_.clearance = begun_ ? clearance : kAbsent;
   report_.tracking_rms = tracked_ > 0 ? std::sqrt(sum_of_squares_ / static_cast<double>(tracked_)) : kAbsent;
   if (tracked_ == 0) report_.tracking_max = kAbsent;

@@ -42,7 +42,8 @@ class FlightObserver {
 
   companion::Phase phase_ = companion::Phase::kGround;
   FlightState state_ = FlightState::kIdle;
-  double changed_at_ = 0;  // [s] the last time that anything moved on
+  FlightState flown_state_ = FlightState::kIdle;  // the last one but for `landed`
+  double changed_at_ = 0;                         // [s] the last time that anything moved on
   bool measures_ = false;
   bool begun_ = false;  // the take-off has ended
   bool ended_ = false;  // the landing has begun, or control was lost

@@ -108,7 +108,7 @@ def defects(report):
     arrived = report["status"] == "arrived"
     if arrived and not report["landed"]:
         found.append("arrived, but has not landed")
-    if not arrived and report["state"] not in ("holding", "yielded", "landed"):
+    if not arrived and report["state"] not in ("holding", "yielded"):
         found.append(f"ends {report['state']}: {report['status']}")
     if not arrived and not report.get("reason"):
         found.append("ends without a reason")
@@ -145,9 +145,9 @@ def outcome(report):
 
 
 def world_table(results):
-    lines = ["| map | flights | arrived | holding | yielded | landed otherwise | least clearance beyond the radius [m] "
+    lines = ["| map | flights | arrived | holding | yielded | least clearance beyond the radius [m] "
              "| tracking RMS / max without fault and wind [m] | with wind [m] | failed checks |",
-             "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
+             "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     names = list(dict.fromkeys(world.name for world, *_ in results))
     for name in names + ["all"]:
         flights = [(report, found) for world, report, found, _ in results if name in (world.name, "all")]
@@ -163,7 +163,7 @@ def world_table(results):
             return f"{statistics.median(t['rms'] for t in chosen):.3f} / {max(t['max'] for t in chosen):.3f}"
 
         lines.append(f"| {name} | {len(flights)} | {ends['arrived']} | {ends['holding']} | {ends['yielded']} | "
-                     f"{ends['landed']} | {min(rooms, default=float('nan')):.3f} | {tracking(False)} | {tracking(True)} "
+                     f"{min(rooms, default=float('nan')):.3f} | {tracking(False)} | {tracking(True)} "
                      f"| {sum(1 for _, found in flights if found)} |")
     return lines
 
