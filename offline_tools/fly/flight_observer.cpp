@@ -15,6 +15,8 @@ constexpr double kAtRest = 1e-3;               // [m/s] of a reference
 constexpr double kLineBytes = 921'600 / 10.0;  // [1/s] with start and stop bit
 constexpr Microseconds kPeriod{10'000};        // of the companion's steps
 
+constexpr double kLatestAnswer = 2;  // [s] after the end of a fault; what comes later has another cause
+
 bool is_fault(Reason reason) { return reason >= Reason::kLinkLost; }
 
 bool in_control(FlightState state) {
@@ -61,6 +63,8 @@ FlightObserver::FlightObserver(const FlightRequest& request, FlightPlanner& plan
 void FlightObserver::note_fault(const FlightFault& fault, double t) {
   t_ = t;
   note(EventKind::kFault, std::string("fault: ") + describe(fault));
+  const double lasts = std::visit([](const auto& either) { return either.duration; }, fault);
+  answer_until_ = t + kLatestAnswer + (std::isfinite(lasts) ? lasts : 0);
   report_.answers.push_back({describe(fault), t, {}, {}, {}});
 }
 
@@ -104,7 +108,7 @@ void FlightObserver::see_events(const companion::Companion& companion) {
 }
 
 void FlightObserver::answer_fault(const FlightEvent& event) {
-  if (report_.answers.empty() || report_.answers.back().after) return;
+  if (report_.answers.empty() || report_.answers.back().after || t_ > answer_until_) return;
   FaultAnswer& answer = report_.answers.back();
   answer.after = t_ - answer.at;
   answer.what =

@@ -51,6 +51,7 @@ class FlightObserver {
   std::uint32_t notes_seen_ = 0;
   std::uint32_t plan_ = 0;
   Reason fault_ = Reason::kNone;  // latest
+  double answer_until_ = 0;       // [s] the newest fault may be answered so long
   double sum_of_squares_ = 0;
   std::size_t tracked_ = 0;
   std::uint64_t bytes_in_ = 0;  // when the take-off ended

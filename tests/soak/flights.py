@@ -6,7 +6,8 @@
 A flight fails when
   - the program does not end with status 0 or 1, or leaves no report;
   - it ends neither arrived and landed, nor holding, nor yielded, or not arrived without a reason;
-  - the vehicle's centre came closer to an occupied voxel than its radius, while the companion was in control;
+  - the vehicle's centre came closer to an occupied voxel than its radius, while the companion was in control (not
+    after an autopilot's restart, which stops the motors: that vehicle falls, whoever controls it);
   - the reference exceeded a limit that its plans were certified for;
   - a set-point was stale (sent at another time than made) or repeated while the reference moved.
 """
@@ -115,7 +116,8 @@ def defects(report):
     if not arrived and report["status"] in ("timeout", "no_take_off", "stopped") and not report["faults"]:
         found.append(f"ends with {report['status']} without any fault")
     clearance, radius = report["flown_clearance"], report["margins"]["vehicle_radius"]
-    if clearance is not None and not clearance > radius:
+    falls = any(fault["fault"] == "restart" for fault in report["faults"])
+    if clearance is not None and not clearance > radius and not falls:
         found.append(f"came to {clearance:.3f} m of an obstacle, its radius is {radius:.3f} m")
     for what, limit in (("speed", "vmax"), ("acceleration", "amax")):
         reached = max(report["reference"][f"max_{what}"])
@@ -203,7 +205,7 @@ def main():
         for job in jobs:
             results.append(job.result())
             for defect in results[-1][2]:
-                print(f"{defect}\n  {results[-1][3]}", flush=True)
+                print(f"{defect}\n  {results[-1][3]}", file=sys.stderr, flush=True)
     tables = world_table(results) + [""] + fault_table(results)
     print("\n".join(tables))
     if options.table:
