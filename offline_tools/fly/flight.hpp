@@ -50,7 +50,7 @@ struct SetpointReport {
 struct FlightReport {
   std::string status;                      ///< "arrived", or a word for why not
   std::string reason;                      ///< the same for people; empty when arrived
-  FlightState state = FlightState::kIdle;  ///< at the end, or before it had landed
+  FlightState state = FlightState::kIdle;  ///< at the end, or before the landing
   bool landed = false;
   std::uint32_t goals_reached = 0;
   std::vector<double> arrivals;  ///< [s] when each goal was reached

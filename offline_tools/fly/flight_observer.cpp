@@ -94,16 +94,17 @@ void FlightObserver::see_events(const companion::Companion& companion) {
     if (events_seen_ + Supervisor::kEvents < companion.event_count()) continue;  // overwritten within one step: never
     const FlightEvent& event = companion.event(events_seen_);
     const std::string reason = describe(event.reason);
+    transition_ = std::string(describe(event.to)) + ": " + reason;
     note(is_fault(event.reason) ? EventKind::kReaction : EventKind::kNote,
-         event.from == event.to ? std::string(describe(event.to)) + ": " + reason
-                                : std::string(describe(event.from)) + " -> " + describe(event.to) + ": " + reason);
+         event.from == event.to ? transition_ : std::string(describe(event.from)) + " -> " + transition_);
     if (!is_fault(event.reason)) continue;
     fault_ = event.reason;
     answer_fault(event);
   }
   for (; notes_seen_ < companion.note_count(); ++notes_seen_) {
     if (notes_seen_ + companion::Companion::kNotes < companion.note_count()) continue;
-    note(EventKind::kNote, std::string(companion.note(notes_seen_).view()));
+    const std::string text(companion.note(notes_seen_).view());
+    if (text != transition_) note(EventKind::kNote, text);
   }
 }
 
@@ -133,7 +134,7 @@ void FlightObserver::see_phase(const Telemetry& telemetry) {
   if (telemetry.phase != phase_) enter(telemetry.phase);
   state_ = telemetry.state;
   phase_ = telemetry.phase;
-  if (state_ != FlightState::kLanded) flown_state_ = state_;
+  if (phase_ < Phase::kLanding && state_ != FlightState::kLanded) flown_state_ = state_;
   const bool flies = phase_ == Phase::kMission && in_control(state_);
   if (flies && !begun_) {
     begun_ = true;
@@ -199,7 +200,7 @@ void FlightObserver::keep_sample(const Telemetry& telemetry, const RigidState& t
 }
 
 double FlightObserver::patience() const {
-  if (state_ == FlightState::kYielded) return 10;
+  if (state_ == FlightState::kYielded && phase_ != Phase::kLanding) return 10;
   switch (phase_) {
     case Phase::kGround:
     case Phase::kTakeoff:

@@ -42,12 +42,13 @@ class FlightObserver {
 
   companion::Phase phase_ = companion::Phase::kGround;
   FlightState state_ = FlightState::kIdle;
-  FlightState flown_state_ = FlightState::kIdle;  // the last one but for `landed`
+  FlightState flown_state_ = FlightState::kIdle;  // the last one before it was landing or down
   double changed_at_ = 0;                         // [s] the last time that anything moved on
   bool measures_ = false;
   bool begun_ = false;  // the take-off has ended
   bool ended_ = false;  // the landing has begun, or control was lost
   std::uint32_t events_seen_ = 0;
+  std::string transition_;  // the newest, as the companion's own note of it reads
   std::uint32_t notes_seen_ = 0;
   std::uint32_t plan_ = 0;
   Reason fault_ = Reason::kNone;  // latest
