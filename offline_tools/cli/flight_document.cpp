@@ -139,6 +139,7 @@ Json flight_document(const MapFile& map, const FlightRequest& request, const Fli
                        {"max_speed_norm", report.reference_speed_norm},
                        {"max_acceleration", to_json(report.reference_acceleration)},
                        {"max_acceleration_norm", report.reference_acceleration_norm}};
+  json["estimate"] = {{"rms", report.estimate_rms}, {"max", report.estimate_max}};
   json["max_speed"] = report.speed_max;
   json["plans"] = plans_json(plans);
   json["simulated"] = report.simulated;

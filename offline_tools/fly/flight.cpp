@@ -144,7 +144,7 @@ class Captain {
   Microseconds clock_offset_{0};
 };
 
-FlightReport fly_in_lockstep(const FlightRequest& request, const FlightWorld& world, const Floor& floor) {
+FlightReport fly_in_lockstep(const FlightRequest& request, const FlightWorld& world, Floor& floor) {
   PixhawkSim sim(complete(request, floor, world.obstacles));
   sim.simulation().measure_clearance(false);
   LockstepUart uart(sim);
@@ -158,6 +158,7 @@ FlightReport fly_in_lockstep(const FlightRequest& request, const FlightWorld& wo
     for (const Fault& fault : sim.take_begun()) captain->note_fault(fault, fault.at);
     captain->step(sim.time(), truth);
     sim.simulation().measure_clearance(captain->measures());
+    if (captain->measures()) floor.remove_pad();
   }
   return captain->report(sim.simulation().clearance());
 }
@@ -168,7 +169,7 @@ class RealTimeSim {
  public:
   using Clock = std::chrono::steady_clock;
 
-  RealTimeSim(const PixhawkSimSettings& settings, const Floor& floor, hal::PseudoTerminal& pty, Clock::time_point start)
+  RealTimeSim(const PixhawkSimSettings& settings, Floor& floor, hal::PseudoTerminal& pty, Clock::time_point start)
       : sim_(settings), floor_(floor), pty_(pty), start_(start) {
     sim_.simulation().measure_clearance(false);
     thread_ = std::thread([this] { run(); });
@@ -194,6 +195,7 @@ class RealTimeSim {
   void measure_clearance(bool on) {
     const std::lock_guard lock(mutex_);
     sim_.simulation().measure_clearance(on);
+    if (on) floor_.remove_pad();
   }
   double clearance() {
     const std::lock_guard lock(mutex_);
@@ -220,7 +222,7 @@ class RealTimeSim {
   }
 
   PixhawkSim sim_;
-  const Floor& floor_;
+  Floor& floor_;
   hal::PseudoTerminal& pty_;
   Clock::time_point start_;
   std::mutex mutex_;
@@ -229,7 +231,7 @@ class RealTimeSim {
   std::thread thread_;
 };
 
-Expected<FlightReport> fly_in_real_time(const FlightRequest& request, const FlightWorld& world, const Floor& floor) {
+Expected<FlightReport> fly_in_real_time(const FlightRequest& request, const FlightWorld& world, Floor& floor) {
   hal::PseudoTerminal pty;
   hal::SerialPort port;
   if (!pty.open() || !port.open(pty.peer_path().c_str(), kBaud)) {
@@ -254,7 +256,7 @@ Expected<FlightReport> fly_in_real_time(const FlightRequest& request, const Flig
 }  // namespace
 
 Expected<FlightReport> fly(const FlightRequest& request, const FlightWorld& world) {
-  const Floor floor(world.map, world.obstacles, request.start);
+  Floor floor(world.map, world.obstacles, request.start);
   return request.in_process ? fly_in_lockstep(request, world, floor) : fly_in_real_time(request, world, floor);
 }
 

@@ -58,6 +58,8 @@ struct FlightReport {
   // From the end of the take-off to the start of the landing.
   double tracking_rms = 0;  ///< [m] not finite without such a span
   double tracking_max = 0;
+  double estimate_rms = 0;  ///< [m] of the companion's newest estimate, its age included, to the true position
+  double estimate_max = 0;
   double clearance = 0;  ///< [m] of the true centre to occupied voxels, while the companion was in control
   double begin = 0;      ///< [s]
   double end = 0;

@@ -171,6 +171,9 @@ void FlightObserver::see_tracking(const Telemetry& telemetry, const RigidState& 
   report_.tracking_max = std::max(report_.tracking_max, error);
   sum_of_squares_ += error * error;
   ++tracked_;
+  const double belief = telemetry.has_estimate ? (telemetry.estimate.position - truth.position).norm() : 0;
+  report_.estimate_max = std::max(report_.estimate_max, belief);
+  estimate_squares_ += belief * belief;
   report_.reference_speed = report_.reference_speed.cwiseMax(reference.velocity.cwiseAbs());
   report_.reference_acceleration = report_.reference_acceleration.cwiseMax(reference.acceleration.cwiseAbs());
   report_.reference_speed_norm = std::max(report_.reference_speed_norm, reference.velocity.norm());
@@ -226,8 +229,12 @@ FlightReport FlightObserver::report(const companion::Companion& companion, const
   report_.state = flown_state_;
   report_.landed = phase_ == Phase::kDone || state_ == FlightState::kLanded;
   report_.clearance = begun_ ? clearance : kAbsent;
-  report_.tracking_rms = tracked_ > 0 ? std::sqrt(sum_of_squares_ / static_cast<double>(tracked_)) : kAbsent;
-  if (tracked_ == 0) report_.tracking_max = kAbsent;
+  const auto mean = [this](double squares) {
+    return tracked_ > 0 ? std::sqrt(squares / static_cast<double>(tracked_)) : kAbsent;
+  };
+  report_.tracking_rms = mean(sum_of_squares_);
+  report_.estimate_rms = mean(estimate_squares_);
+  if (tracked_ == 0) report_.tracking_max = report_.estimate_max = kAbsent;
   const double end = report_.goals_reached >= request_.goals.size() ? report_.arrivals.back() : report_.end;
   report_.duration = begun_ ? end - report_.begin : 0;
   report_.simulated = t_;

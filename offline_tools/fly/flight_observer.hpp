@@ -54,6 +54,7 @@ class FlightObserver {
   Reason fault_ = Reason::kNone;  // latest
   double answer_until_ = 0;       // [s] the newest fault may be answered so long
   double sum_of_squares_ = 0;
+  double estimate_squares_ = 0;
   std::size_t tracked_ = 0;
   std::uint64_t bytes_in_ = 0;  // when the take-off ended
   std::uint64_t bytes_out_ = 0;

@@ -22,7 +22,7 @@ Floor::Floor(const BoxGraphView& map, std::vector<Box> obstacles, const Vector3&
 }
 
 double Floor::below(const Vector3& p_W) const {
-  const bool over_pad = (p_W - pad_).head<2>().cwiseAbs().maxCoeff() <= kPadSize / 2 && p_W.z() >= pad_.z();
+  const bool over_pad = has_pad_ && (p_W - pad_).head<2>().cwiseAbs().maxCoeff() <= kPadSize / 2 && p_W.z() >= pad_.z();
   return over_pad ? pad_.z() : obstacle_below(p_W);
 }
 

@@ -19,6 +19,8 @@ class Floor {
 
   /// Where the vehicle's centre is when it stands on the pad [m], frame W.
   [[nodiscard]] const Vector3& pad() const { return pad_; }
+  /// After a take-off: nothing of it is in the way of a flight that leads down past it.
+  void remove_pad() { has_pad_ = false; }
   [[nodiscard]] double below(const Vector3& p_W) const;  ///< [m] height
 
  private:
@@ -27,6 +29,7 @@ class Floor {
   std::vector<Box> obstacles_;
   double lowest_;
   Vector3 pad_;
+  bool has_pad_ = true;
 };
 
 }  // namespace swiftlet::tools
