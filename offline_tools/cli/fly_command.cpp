@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
@@ -10,10 +11,15 @@
 #include "board_config.hpp"
 #include "cli/arguments.hpp"
 #include "cli/commands.hpp"
+#include "cli/config_file.hpp"
 #include "cli/flight_document.hpp"
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "cli/vehicle_file.hpp"
+#if __has_include("report/flight_report.hpp")
+#include "report/flight_report.hpp"
+#define SWIFTLET_FLIGHT_PAGE
+#endif
 
 namespace swiftlet::tools {
 namespace {
@@ -116,6 +122,7 @@ void apply_vehicle(FlyOptions& options) {
 
 void apply_options(FlyOptions& options, const MapFile& map) {
   companion::Settings& settings = options.flight.companion;
+  if (!options.config.empty()) settings = load_config(options.config);
   if (!options.setpoint.empty()) settings.form = form_of(options.setpoint);
   if (options.v_max > 0) settings.limits.v_max = options.v_max;
   if (options.a_max > 0) settings.limits.a_max = options.a_max;
@@ -210,8 +217,23 @@ void print_summary(const FlightReport& report, const FlightRequest& request, con
   }
 }
 
+void write_page(const FlyOptions& options, const MapFile& map, Obstacles& obstacles, FlightReport& report,
+                const Json& document) {
+  if (options.report.empty()) return;
+#ifdef SWIFTLET_FLIGHT_PAGE
+  const BlobHeader& header = map.graph.header();
+  report.record.obstacles = {header.origin, map.graph.unit(), header.resolution, obstacles.boxes()};
+  const std::string title = std::filesystem::path(map.path).stem().string() + ": " + report.status;
+  write_output(options.report, flight_report_html({document, report.record, title}));
+#else
+  (void)map, (void)obstacles, (void)report, (void)document;
+  throw Failure{ExitStatus::kUsage, "--report: this build has no page for flights"};
+#endif
+}
+
 ExitStatus run_fly(FlyOptions& options) {
   check_outputs({options.json, options.report, options.log}, {options.map, options.vehicle, options.config});
+  if (!options.log.empty()) throw Failure{ExitStatus::kUsage, "--log: this build writes no flight logs"};
   const MapFile map = load_map(options.map);
   Obstacles obstacles(map);
   apply_options(options, map);
@@ -222,11 +244,12 @@ ExitStatus run_fly(FlyOptions& options) {
                         flight.in_process ? FlightPlanner::Kind::kInline : FlightPlanner::Kind::kThread);
   const std::vector<Box> boxes = unwrap(occupied_boxes(map.graph));
   const FlightWorld world{map.graph, boxes, companion_storage.memory(), planner};
-  const FlightReport report = unwrap(fly(flight, world));
+  FlightReport report = unwrap(fly(flight, world));
   const FlownPlan* plan = first_plan(planner.plans());
   const Json document = flight_document(map, flight, report, planner.plans(),
                                         plan != nullptr ? plan_document(map, *plan) : Json(nullptr));
   write_output(options.json, dump(document) + '\n');
+  write_page(options, map, obstacles, report, document);
   print_summary(report, flight, planner.plans());
   if (report.status == "arrived") return ExitStatus::kDone;
   throw Failure{ExitStatus::kNoAnswer, report.status + ": " + report.reason};
