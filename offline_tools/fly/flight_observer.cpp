@@ -182,7 +182,8 @@ void FlightObserver::see_tracking(const Telemetry& telemetry, const RigidState& 
 
 void FlightObserver::see_setpoint(const Telemetry& telemetry, const SetpointWatch& watch) {
   const bool moves = telemetry.command.velocity.norm() > kAtRest;  // of the reference when the command takes effect
-  if (watch.sent() && watch.repeated() && moves) ++report_.setpoints.repeated;
+  const bool bounded = telemetry.command.saturated;  // at its bounds a fresh command may well have the old numbers
+  if (watch.sent() && watch.repeated() && moves && !bounded) ++report_.setpoints.repeated;
 }
 
 void FlightObserver::keep_sample(const Telemetry& telemetry, const RigidState& truth, const SetpointWatch& watch) {

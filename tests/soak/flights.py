@@ -107,7 +107,8 @@ def defects(report):
     """What is wrong with a flight, in words."""
     found = []
     arrived = report["status"] == "arrived"
-    if arrived and not report["landed"]:
+    late = any(fault["t"] > report["arrivals"][-1] for fault in report["faults"]) if arrived else False
+    if arrived and not report["landed"] and not late:  # a fault while it lands leaves that to the pilot or autopilot
         found.append("arrived, but has not landed")
     if not arrived and report["state"] not in ("holding", "yielded"):
         found.append(f"ends {report['state']}: {report['status']}")
