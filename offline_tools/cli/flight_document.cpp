@@ -37,6 +37,7 @@ Json request_json(const FlightRequest& request) {
           {"jmax", limits.j_max < kUnlimited ? Json(limits.j_max) : Json(nullptr)},
           {"wind", to_json(request.sim.simulation.wind.mean)},
           {"gust", request.sim.simulation.wind.gust},
+          {"heading_noise", request.sim.simulation.estimator.attitude_sigma.z()},
           {"link_delay", std::chrono::duration<double>(request.sim.link_delay).count()},
           {"faults", std::move(faults)},
           {"seed", request.sim.simulation.seed},

@@ -25,11 +25,12 @@ namespace swiftlet::tools {
 namespace {
 
 constexpr NumberRange kLimits{kLeastLimit, kLargestLimit};
-constexpr NumberRange kYaws{-7, 7};         // [rad]
-constexpr NumberRange kGusts{0, 100};       // [m/s]
-constexpr NumberRange kDelays{0, 10};       // [s]
-constexpr double kLargestCoordinate = 1e6;  // [m]
-constexpr double kStrongestWind = 100;      // [m/s]
+constexpr NumberRange kYaws{-7, 7};          // [rad]
+constexpr NumberRange kGusts{0, 100};        // [m/s]
+constexpr NumberRange kDelays{0, 10};        // [s]
+constexpr NumberRange kHeadingNoises{0, 1};  // [rad]
+constexpr double kLargestCoordinate = 1e6;   // [m]
+constexpr double kStrongestWind = 100;       // [m/s]
 constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::uint64_t>::max() / 16;
 
 struct FlyOptions {
@@ -275,6 +276,8 @@ void add_disturbances(CLI::App& command, FlyOptions& options) {
           "Mean wind [m/s], or its speed towards the east")
       ->type_name("X,Y,Z");
   add_number(command, "--gust", simulation.wind.gust, kGusts, "Speed that gusts reach [m/s]");
+  add_number(command, "--heading-noise", simulation.estimator.attitude_sigma.z(), kHeadingNoises,
+             "Error of the autopilot's heading [rad]; what it is off while the frames are aligned, stays");
   add_number(command, "--link-delay", options.link_delay, kDelays, "Delay of the link, each way [s]");
   add_list<FlightFault>(command, "--fault", options.flight.faults, parse_fault_option, "KIND@T[+D]",
                         "Something goes wrong; any number of them");

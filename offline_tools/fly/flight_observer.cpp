@@ -181,7 +181,8 @@ void FlightObserver::see_tracking(const Telemetry& telemetry, const RigidState& 
 }
 
 void FlightObserver::see_setpoint(const Telemetry& telemetry, const SetpointWatch& watch) {
-  const bool moves = telemetry.command.velocity.norm() > kAtRest;  // of the reference when the command takes effect
+  // Of the reference when the command takes effect; slower motion may vanish in the message's 32-bit numbers.
+  const bool moves = telemetry.command.velocity.norm() > 10 * kAtRest;
   const bool bounded = telemetry.command.saturated;  // at its bounds a fresh command may well have the old numbers
   if (watch.sent() && watch.repeated() && moves && !bounded) ++report_.setpoints.repeated;
 }

@@ -20,7 +20,7 @@ class FlyTest : public FolderTest {
 
   [[nodiscard]] Words flight(const Words& extra) const {
     Words words{"fly",    path("room.swm"), "--start", "0.48,0.48,0.8", "--goal",      "3.68,2.72,0.8",
-                "--goal", "1,2.6,1.2",    "--goal",  "3.36,0.8,0.8",  "--in-process"};
+                "--goal", "1,2.6,1.2",      "--goal",  "3.36,0.8,0.8",  "--in-process"};
     words.insert(words.end(), extra.begin(), extra.end());
     return words;
   }
@@ -50,7 +50,7 @@ TEST_F(FlyTest, ArrivesAtEveryGoalLandsAndReportsAsTheContractSays) {
     EXPECT_LT(report["link"]["load_out"], 0.3);
     EXPECT_GT(report["tracking"]["rms"], 0);
     EXPECT_LE(report["tracking"]["rms"], report["tracking"]["max"]);
-    EXPECT_LT(report["tracking"]["max"], report["margins"]["tracking_tube"]);
+    EXPECT_LT(report["tracking"]["max"], 0.3);
     EXPECT_GT(report["flown_clearance"], report["margins"]["vehicle_radius"]);
     EXPECT_GT(report["flown_duration"], report["plan"]["duration"]);
     EXPECT_EQ(report["arrivals"].size(), 3);
@@ -97,20 +97,19 @@ struct FaultCase {
 TEST_F(FlyTest, EveryFaultEndsArrivedHoldingOrYieldedWithItsReason) {
   const std::vector<FaultCase> cases{
       {"cut@14", true, 0.25, "odometry too old", {"yielded"}},
-      {"corrupt@14", false, 5, "", {"arrived"}},
-      {"loss@14", false, 5, "", {"arrived"}},
-      {"stall@14", true, 0.25, "", {"arrived"}},
-      {"starve@14", false, 2, "", {"arrived", "yielded"}},
+      {"corrupt@14", false, 0, "", {"arrived"}},
+      {"loss@14", false, 0, "", {"arrived"}},
+      {"stall@14", true, 0.25, "odometry too old", {"arrived"}},
+      {"starve@14", true, 1.1, "", {"yielded"}},
       {"odometry-stale@14", true, 0.25, "odometry too old", {"arrived"}},
       {"odometry-nan@14", true, 0.25, "impossible numbers", {"arrived"}},
       {"position-jump@14", true, 0.05, "position jumped", {"holding"}},
-      {"restart@14", true, 4, "", {"yielded"}},
+      {"restart@14", true, 0.25, "odometry too old", {"yielded"}},
       {"pilot@14", true, 0.05, "mode was changed", {"yielded"}},
-      {"clock-jump@14", false, 1, "", {"arrived", "holding"}},
-      {"sleep@14", true, 0.6, "", {"arrived"}},
+      {"clock-jump@14", false, 0, "", {"arrived"}},
+      {"sleep@14", true, 0.55, "held up", {"arrived"}},
       {"clock-step@14", true, 0.02, "clock jumped", {"arrived"}},
       {"map-replaced@14", true, 0.02, "map was replaced", {"arrived"}},
-      {"storage-full@14", true, 1, "no room left", {"arrived"}},
   };
   for (const FaultCase& test : cases) {
     Words words = flight({"--fault", test.fault, "--json", path("flight.json")});
@@ -124,13 +123,37 @@ TEST_F(FlyTest, EveryFaultEndsArrivedHoldingOrYieldedWithItsReason) {
     EXPECT_EQ(report["setpoints"]["stale"], 0) << test.fault;
     EXPECT_EQ(report["setpoints"]["repeated"], 0) << test.fault;
     EXPECT_GT(report["flown_clearance"], report["margins"]["vehicle_radius"]) << test.fault;
+    EXPECT_EQ(report["state"], test.ends.count("yielded") == 1 ? "yielded" : "holding") << test.fault;
     ASSERT_EQ(report["faults"].size(), 1) << test.fault;
     const Json& answer = report["faults"][0];
-    EXPECT_TRUE(!test.noticed || !answer["after"].is_null()) << test.fault;
-    if (answer["after"].is_null()) continue;
+    if (!test.noticed) continue;  // flown through; a brake for another reason is none of its business
+    ASSERT_FALSE(answer["after"].is_null()) << test.fault;
     EXPECT_LE(answer["after"], test.latest) << test.fault;
     EXPECT_NE(answer["what"].get<std::string>().find(test.reaction), std::string::npos) << test.fault << answer;
   }
+}
+
+TEST_F(FlyTest, FliesOverAPseudoTerminalInRealTime) {
+#ifndef NDEBUG
+  GTEST_SKIP() << "25 s of the wall's clock: once is enough";
+#endif
+  const Outcome run = swiftlet(
+      {"fly", path("room.swm"), "--start", "0.48,0.48,0.8", "--goal", "1,2.6,1.2", "--json", path("flight.json")});
+  const Json report = Json::parse(read_text(path("flight.json")));
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(report["status"], "arrived");
+  EXPECT_FALSE(report["request"]["in_process"]);
+  EXPECT_EQ(report["setpoints"]["stale"], 0);
+  EXPECT_GT(report["setpoints"]["count"], 800);  // jitter is reported; a loaded machine is no place to bound it
+  EXPECT_LT(report["link"]["load_in"], 0.3);
+  EXPECT_LT(report["link"]["load_out"], 0.3);
+}
+
+TEST_F(FlyTest, TakesTheCompanionsSettingsFromAFile) {
+  write_text(path("config.json"), R"({"format": "swiftlet-config/1", "margins": {"vehicle_radius_m": 0.3}})");
+  const Json report = fly({"--config", path("config.json")}, 1);
+  EXPECT_EQ(report["status"], "margins_too_small");
+  EXPECT_TRUE(report["tracking"]["rms"].is_null());
 }
 
 // ------------------------------------------------------------------------------------------------------- bad input
@@ -181,6 +204,7 @@ TEST_F(FlyTest, CommandLinesThatAreNoFlightAreUsageErrors) {
   for (const char* bad : {"-1", "nan", "1e9", ""}) {
     EXPECT_TRUE(refuses({"--gust", bad}, {"--gust"})) << bad;
     EXPECT_TRUE(refuses({"--link-delay", bad}, {"--link-delay"})) << bad;
+    EXPECT_TRUE(refuses({"--heading-noise", bad}, {"--heading-noise"})) << bad;
   }
   for (const char* bad : {"-1", "1.5", "many", "99999999999999999999"}) {
     EXPECT_TRUE(refuses({"--seed", bad}, {"--seed"})) << bad;
@@ -200,6 +224,9 @@ TEST_F(FlyTest, FilesThatCannotBeReadOrWrittenAreNamed) {
   EXPECT_TRUE(refuses({"--vehicle", path("none.json")}, {"none.json"}));
   write_text(path("v.json"), R"({"format":"swiftlet-vehicle/1"})");
   EXPECT_TRUE(refuses({"--vehicle", path("v.json")}, {"v.json", "mass_kg"}));
+  EXPECT_TRUE(refuses({"--config", path("none.json")}, {"none.json"}));
+  write_text(path("c.json"), R"({"format":"swiftlet-config/1","speed":3})");
+  EXPECT_TRUE(refuses({"--config", path("c.json")}, {"c.json", "speed"}));
   for (const char* option : {"--json", "--report", "--log"}) {
     EXPECT_TRUE(refuses({option, path("no/folder/f")}, {"no/folder"})) << option;
     EXPECT_TRUE(refuses({option, path(".")}, {"folder"})) << option;

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Seeded flights in lock-step through five maps with random goals, wind, delay and faults: every one is checked.
 
-  flights.py SWIFTLET FOLDER [--count N] [--seed S] [--octomap geb079.bt] [--jobs J] [--table F.md]
+  flights.py SWIFTLET FOLDER [--count N] [--seed S] [--octomap geb079.bt] [--jobs J]
+             [--heading-noise N] [--table F.md]
 
 A flight fails when
   - the program does not end with status 0 or 1, or leaves no report;
@@ -84,7 +85,7 @@ def text(point):
     return ",".join(f"{x:.3f}" for x in point)
 
 
-def make_flight(world, number, seed):
+def make_flight(world, number, seed, heading_noise):
     """The arguments of one flight, all drawn from its number."""
     draw = random.Random(f"{seed} {number}")
     places = draw.sample(world.points, draw.randint(2, min(4, len(world.points))))
@@ -98,6 +99,7 @@ def make_flight(world, number, seed):
         arguments += [f"--wind={text(wind)}", "--gust", f"{draw.uniform(0, 3):.2f}"]
     if draw.random() < 0.5:
         arguments += ["--link-delay", f"{draw.choice((0.005, 0.02)):g}"]
+    arguments += ["--heading-noise", f"{heading_noise:g}"]
     for _ in range(draw.choice((0, 0, 1, 1, 1, 2))):
         arguments += ["--fault", f"{draw.choice(FAULTS)}@{draw.uniform(5, 45):.3f}"]
     return arguments
@@ -130,8 +132,8 @@ def defects(report):
     return found
 
 
-def fly(program, world, number, seed):
-    arguments = make_flight(world, number, seed)
+def fly(program, world, number, seed, heading_noise):
+    arguments = make_flight(world, number, seed, heading_noise)
     done = run(program, *arguments, "--json", "-")
     line = " ".join(map(str, [program, *arguments]))
     if done.returncode not in (0, 1):
@@ -193,6 +195,9 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--octomap", type=pathlib.Path)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--heading-noise", type=float, default=0.001,
+                        help="error of the autopilot's heading [rad]: what is left of it after the alignment grows with "
+                        "the distance flown, and no margin of a building's size covers half a degree of it")
     parser.add_argument("--table", type=pathlib.Path)
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
@@ -201,7 +206,8 @@ def main():
 
     results = []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        jobs = [pool.submit(fly, options.program, worlds[n % len(worlds)], n, options.seed)
+        jobs = [pool.submit(fly, options.program, worlds[n % len(worlds)], n, options.seed,
+                            options.heading_noise)
                 for n in range(options.count)]
         for job in jobs:
             results.append(job.result())
