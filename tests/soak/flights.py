@@ -126,8 +126,10 @@ def defects(report):
         reached = max(report["reference"][f"max_{what}"])
         if reached > report["request"][limit] + LIMIT_TOLERANCE:
             found.append(f"the reference's {what} was {reached:.4f}, its limit {report['request'][limit]}")
-    for what in ("stale", "repeated"):
-        if report["setpoints"][what] > 0:
+    # Where the companion's clock jumps the reference stands still for one step: its numbers are new, but the same.
+    jumps = sum(1 for fault in report["faults"] if fault["fault"] == "clock-step")
+    for what, allowed in (("stale", 0), ("repeated", jumps)):
+        if report["setpoints"][what] > allowed:
             found.append(f"{report['setpoints'][what]} {what} set-points")
     return found
 
