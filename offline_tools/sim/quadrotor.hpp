@@ -55,7 +55,7 @@ class Quadrotor {
   [[nodiscard]] const RigidState& state() const { return state_; }
   [[nodiscard]] const VehicleModel& model() const { return model_; }
   [[nodiscard]] bool on_ground() const { return on_ground_; }
-  [[nodiscard]] double ground() const { return ground_; }              ///< [m] height of the ground
+  [[nodiscard]] double ground() const { return ground_; }  ///< [m] height of the ground
   /// Over steps and edges: from now on the ground is level at this height [m], unless the vehicle stands on it.
   void set_ground(double height) {
     if (!on_ground_) ground_ = height;
