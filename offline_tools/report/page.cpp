@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <string_view>
 
@@ -84,6 +86,24 @@ std::string encode_boxes(std::span<const IntBox> boxes) {
     corners.insert(corners.end(), box.hi.begin(), box.hi.end());
   }
   return encode_integers(corners);
+}
+
+Json channel_json(std::span<const double> values) {
+  constexpr std::uint16_t kNone = 65535;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  const double step = high > low ? (high - low) / (kNone - 1) : 1;
+  std::vector<std::uint16_t> integers;
+  integers.reserve(values.size());
+  for (const double value : values) {
+    integers.push_back(std::isfinite(value) ? static_cast<std::uint16_t>(std::lround((value - low) / step)) : kNone);
+  }
+  return {{"low", std::isfinite(low) ? low : 0}, {"step", step}, {"values", encode_integers(integers)}};
 }
 
 std::uint64_t volume(const IntBox& box) {

@@ -22,6 +22,10 @@ std::string encode_integers(std::span<const std::uint16_t> integers);
 /// Base64 of the six corners of every box as 16-bit little-endian integers, 16 characters a box.
 std::string encode_boxes(std::span<const IntBox> boxes);
 
+/// Values as 16-bit integers, {low, step, values}: value i is low + step * integer i, to half a step; 65535 stands for
+/// one that is not finite.
+nlohmann::ordered_json channel_json(std::span<const double> values);
+
 /// Volume [unit^3].
 std::uint64_t volume(const IntBox& box);
 

@@ -6,17 +6,17 @@ import { count, fixed, html, significant } from './markup.js';
 import { cell_line, map_heading, map_headline, map_numbers } from './map_numbers.js';
 import { outlined_boxes } from './outlined_boxes.js';
 import { add_rulers } from './rulers.js';
-import { View } from './scene.js';
 import { SectionView } from './section_view.js';
 import { solid_boxes } from './solid_boxes.js';
-import { on_theme, toggle_theme } from './theme.js';
+import { connect_theme, on_theme } from './theme.js';
+import { header_markup, open_view } from './view_frame.js';
 import { connect_panel, panel_markup } from './view_panel.js';
 
 // The page of a swiftlet-map/1: heading, figures, 3-D view, section, numbers. All but the view works without WebGL.
 
 export function show_map_page(host, report) {
   host.innerHTML = page_markup(report).text;
-  host.querySelector('.theme').addEventListener('click', toggle_theme);
+  connect_theme(host);
   const map = new CellMap(report);
   const obstacles = report.obstacles && decode_boxes(report.obstacles);
   const bounds = hull([data_hull(map.cells), obstacles && data_hull(obstacles)].filter(Boolean));
@@ -45,8 +45,7 @@ const kHint = 'A click on a cell, above or here, shows its extent and its window
 function page_markup(report) {
   const { map, title, version, note, cells } = report;
   const thinned = cells.shown < cells.count;
-  return html`<header><a class="brand">swiftlet <small>${version}</small></a>${map_heading(title, map, note)}
-      <button type="button" class="theme" aria-label="Light or dark" title="Light or dark"></button></header>
+  return html`${header_markup(version, map_heading(title, map, note))}
     ${map_headline(map)}
     <section class="view" aria-label="3-D view"></section>
     <p class="key colouring"><span>Cells coloured by</span>${colouring_markup(map)}<span class="scale"></span></p>
@@ -87,14 +86,8 @@ function scale_markup(by, map, components) {
 
 /// The view with { paint(colours), select(cell) }; null without WebGL.
 function make_view(host, scene, select) {
-  let view;
-  try {
-    view = new View(host);
-  } catch (error) {
-    host.classList.add('missing');
-    host.innerHTML = html`<p>The 3-D view needs WebGL 2, which this browser does not offer. Everything else is below.</p>`.text;
-    return null;
-  }
+  const view = open_view(host);
+  if (!view) return null;
   const { map, bounds, height } = scene;
   const cells = add_layers(view, scene);
   host.insertAdjacentHTML('beforeend', panel_markup(layers_of(scene), [bounds[2], bounds[5]], [bounds[2], height]).text);

@@ -1,9 +1,8 @@
-import { BufferAttribute, BufferGeometry, Color, GLSL3, GreaterDepth, Group, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from 'three';
-import { speed_colour, style_colour } from './colours.js';
-import { norm } from './trajectory.js';
+import { BufferAttribute, BufferGeometry, Color, GLSL3, GreaterDepth, Group, LessDepth, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from 'three';
+import { style_colour } from './colours.js';
 
-// The path as a tube coloured by speed. Its radius grows with distance, so that it never gets thinner than a few
-// pixels; where obstacles hide it, it shimmers through.
+// A path as a tube. Its radius grows with distance, so that it never gets thinner than a few pixels; where obstacles
+// hide it, it shimmers through.
 
 const kRing = 10;
 
@@ -21,7 +20,7 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position + normal * size, 1.0);
 }`;
 
-const kTubeFragment = `
+export const kShadedFragment = `
 precision highp float;
 uniform float opacity;
 in vec3 shade;
@@ -35,7 +34,7 @@ void main() {
 
 function tube_material(radius, opacity, options) {
   const uniforms = { radius: { value: radius }, least: { value: 0.0021 }, opacity: { value: opacity } };
-  return new ShaderMaterial({ glslVersion: GLSL3, vertexShader: kTubeVertex, fragmentShader: kTubeFragment, uniforms, ...options });
+  return new ShaderMaterial({ glslVersion: GLSL3, vertexShader: kTubeVertex, fragmentShader: kShadedFragment, uniforms, ...options });
 }
 
 /// Frames along the path, each carried over from the last with the least twist.
@@ -44,48 +43,66 @@ function ring_directions(points) {
     const ahead = points[Math.min(i + 1, points.length - 1)].clone().sub(points[Math.max(i - 1, 0)]);
     return ahead.lengthSq() > 0 ? ahead.normalize() : new Vector3(1, 0, 0);
   });
-  let side = Math.abs(along[0].z) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
+  let side = Math.abs(along[0]?.z ?? 0) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
   return along.map((direction) => {
     side = side.clone().addScaledVector(direction, -side.dot(direction)).normalize();
     return { side, other: direction.clone().cross(side) };
   });
 }
 
-function tube_geometry(samples, top_speed) {
-  const points = samples.map((sample) => new Vector3(...sample.position));
+/// Attributes and index of a tube around points; its tints are those of `tint(i)`.
+function tube_parts(points, tint) {
   const frames = ring_directions(points);
-  const positions = [];
-  const normals = [];
-  const tints = [];
+  const positions = new Float32Array(3 * kRing * points.length);
+  const normals = new Float32Array(positions.length);
+  const tints = new Float32Array(positions.length);
   const index = [];
   points.forEach((point, i) => {
-    const tint = speed_colour(norm(samples[i].velocity) / top_speed);
     for (let k = 0; k < kRing; ++k) {
       const angle = (2 * Math.PI * k) / kRing;
       const normal = frames[i].side.clone().multiplyScalar(Math.cos(angle)).addScaledVector(frames[i].other, Math.sin(angle));
-      positions.push(...point.toArray());
-      normals.push(...normal.toArray());
-      tints.push(...tint);
+      const at = 3 * (i * kRing + k);
+      positions.set(point.toArray(), at);
+      normals.set(normal.toArray(), at);
+      tints.set(tint(i), at);
       if (i === 0) continue;
       const [a, b] = [i * kRing + k, i * kRing + ((k + 1) % kRing)];
       index.push(a - kRing, b - kRing, a, b - kRing, b, a);
     }
   });
+  return { attributes: Object.entries({ position: positions, normal: normals, tint: tints }).map(([name, data]) => [name, new BufferAttribute(data, 3)]), index };
+}
+
+function geometry_of({ attributes, index }) {
   const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(new Float32Array(positions), 3));
-  geometry.setAttribute('normal', new BufferAttribute(new Float32Array(normals), 3));
-  geometry.setAttribute('tint', new BufferAttribute(new Float32Array(tints), 3));
+  for (const [name, attribute] of attributes) geometry.setAttribute(name, attribute);
   geometry.setIndex(index);
   return geometry;
 }
 
-export function path_tube(samples, { radius, top_speed }) {
-  const geometry = tube_geometry(samples, top_speed);
+/// A tube along `positions` [m] in the colours that `tint(i)` gives them ([r, g, b]) or in one of the style sheet.
+/// `reach(count)` draws it along the first of the positions only; with `ahead` the rest stays as a shade.
+export function path_tube(positions, { radius, tint, colour, ahead = false }) {
+  const parts = tube_parts(positions.map((position) => new Vector3(...position)), tint ?? (() => [0, 0, 0]));
+  const geometry = geometry_of(parts);
   const tube = new Mesh(geometry, tube_material(radius, 1, {}));
   const hidden = new Mesh(geometry, tube_material(radius, 0.5, { transparent: true, depthFunc: GreaterDepth, depthWrite: false }));
-  tube.frustumCulled = hidden.frustumCulled = false;
+  const meshes = [tube, hidden];
+  // What is drawn already covers its own shade: that is at the same depth, not at a lesser one.
+  if (ahead) meshes.push(new Mesh(geometry_of(parts), tube_material(radius, 0.22, { transparent: true, depthFunc: LessDepth, depthWrite: false })));
+  for (const mesh of meshes) mesh.frustumCulled = false;
   hidden.renderOrder = 1;
-  return { object: new Group().add(tube, hidden) };
+  return {
+    object: new Group().add(...meshes),
+    reach: (count) => geometry.setDrawRange(0, Math.max(count - 1, 0) * kRing * 6),
+    recolour() {
+      if (!colour) return;
+      const [, , [, tints]] = parts.attributes;
+      const { r, g, b } = new Color(style_colour(colour));
+      for (let i = 0; i < tints.array.length; i += 3) tints.array.set([r, g, b], i);
+      tints.needsUpdate = true;
+    },
+  };
 }
 
 const kBallVertex = `

@@ -1,5 +1,5 @@
 import { data_hull, decode_boxes, hull } from './boxes_data.js';
-import { kSpeedGradient } from './colours.js';
+import { kSpeedGradient, speed_colour } from './colours.js';
 import { fixed, html } from './markup.js';
 import { headline, plan_heading, plan_numbers } from './numbers.js';
 import { outlined_boxes } from './outlined_boxes.js';
@@ -7,10 +7,10 @@ import { ball, path_tube } from './path_tube.js';
 import { plan_panels } from './plan_plots.js';
 import { Plots } from './plots.js';
 import { add_rulers } from './rulers.js';
-import { View } from './scene.js';
 import { solid_boxes } from './solid_boxes.js';
-import { on_theme, toggle_theme } from './theme.js';
+import { connect_theme, on_theme } from './theme.js';
 import { box_margin, norm, Trajectory } from './trajectory.js';
+import { add_mark, band_at_start, header_markup, legend_markup, open_view, surroundings } from './view_frame.js';
 import { connect_panel, panel_markup } from './view_panel.js';
 
 // The page of a swiftlet-plan/1: heading, figures, 3-D view, plots, numbers. All but the view works without WebGL.
@@ -19,15 +19,14 @@ export function show_plan_page(host, report) {
   const { plan, title } = report;
   const trajectory = plan.segments?.length ? new Trajectory(plan.segments) : null;
   host.innerHTML = page_markup(title, report, trajectory);
-  host.querySelector('.theme').addEventListener('click', toggle_theme);
+  connect_theme(host);
   const view = make_view(host.querySelector('.view'), report, trajectory);
   if (trajectory) connect_plots(host.querySelector('.plots'), plan, trajectory, view);
 }
 
 function page_markup(title, report, trajectory) {
   const { plan, obstacles, version } = report;
-  return html`<header><a class="brand">swiftlet <small>${version}</small></a>${plan_heading(title, plan)}
-      <button type="button" class="theme" aria-label="Light or dark" title="Light or dark"></button></header>
+  return html`${header_markup(version, plan_heading(title, plan))}
     ${headline(plan)}
     <section class="view" aria-label="3-D view"></section>
     ${trajectory && html`<section><h2>Over time <output></output></h2>
@@ -52,37 +51,17 @@ function make_view(host, report, trajectory) {
   const obstacles = report.obstacles && decode_boxes(report.obstacles);
   const { flown, all } = contents(plan, obstacles);
   if (!all) return null;
-  let view;
-  try {
-    view = new View(host);
-  } catch (error) {
-    host.classList.add('missing');
-    host.innerHTML = html`<p>The 3-D view needs WebGL 2, which this browser does not offer. Everything else is below.</p>`.text;
-    return null;
-  }
+  const view = open_view(host);
+  if (!view) return null;
   add_layers(view, plan, obstacles, trajectory, all);
   host.insertAdjacentHTML('beforeend', panel_markup(layers_of(plan, obstacles, trajectory), [all[2], all[5]], band_at_start(flown, all)).text);
-  if (trajectory) host.insertAdjacentHTML('beforeend', legend_markup(top_speed(plan, trajectory)).text);
-  const framed = framed_box(plan, flown, all);
+  if (trajectory) host.insertAdjacentHTML('beforeend', legend_markup('speed', `${fixed(top_speed(plan, trajectory), 2)} m/s`).text);
+  const framed = plan.corridor ? surroundings(flown, all) : all;
   connect_panel(host, view, framed);
   view.recolour();
   on_theme(() => view.recolour());
   view.fit(framed, 'oblique');
   return view;
-}
-
-/// The flight with its surroundings: as far again to every side as half its longest edge, within the map. Where there
-/// is no flight, everything.
-function framed_box(plan, flown, all) {
-  if (!plan.corridor) return all;
-  const reach = Math.max(flown[3] - flown[0], flown[4] - flown[1], flown[5] - flown[2], 2) / 2;
-  return all.map((bound, i) => (i < 3 ? Math.max(bound, flown[i] - reach) : Math.min(bound, flown[i] + reach)));
-}
-
-/// What lies above the flight is cut off at the start, so that the page opens with a look into the building.
-function band_at_start(flown, all) {
-  const above = flown ? flown[5] + 0.02 * (all[5] - all[2]) : all[5];
-  return [all[2], Math.min(above, all[5])];
 }
 
 function top_speed(plan, trajectory) {
@@ -121,22 +100,16 @@ function add_layers(view, plan, obstacles, trajectory, all) {
   if (gates.length) view.add('gates', outlined_boxes(gates, { colour: '--gate', face_opacity: 0.16, edge_opacity: 0.9 }));
   const radius = plan.map?.radius_m > 0 ? plan.map.radius_m : 0.1;
   if (trajectory) {
-    view.add('path', path_tube(trajectory.samples(1200), { radius: radius / 8, top_speed: top_speed(plan, trajectory) }));
+    const samples = trajectory.samples(1200);
+    const fastest = top_speed(plan, trajectory);
+    view.add('path', path_tube(samples.map((sample) => sample.position), { radius: radius / 8, tint: (i) => speed_colour(norm(samples[i].velocity) / fastest) }));
     view.add('vehicle', ball([0, 0, 0], { radius, least: 0.004, colour: '--vehicle', opacity: 0.35 }));
     view.show('vehicle', false);
   }
-  add_end(view, 'start', plan.request?.start, radius);
-  add_end(view, 'goal', plan.request?.goal, radius);
-}
-
-function add_end(view, name, state, radius) {
-  if (!state?.position?.every(Number.isFinite)) return;
-  view.add(name, ball(state.position, { radius: radius / 3, least: 0.005, colour: `--${name}`, opacity: 0.95 }));
-  view.label(name, state.position, `end ${name}`, name);
-}
-
-function legend_markup(fastest) {
-  return html`<div class="legend"><span>speed</span><b>0</b><i style="background:${kSpeedGradient}"></i><b>${fixed(fastest, 2)} m/s</b></div>`;
+  for (const end of ['start', 'goal']) {
+    const position = plan.request?.[end]?.position;
+    if (position?.every(Number.isFinite)) add_mark(view, end, end, position, { radius: radius / 3, kind: end });
+  }
 }
 
 function connect_plots(host, plan, trajectory, view) {
@@ -146,10 +119,9 @@ function connect_plots(host, plan, trajectory, view) {
     readout.textContent = t === null ? '' : `at ${fixed(t, 2)} s`;
     view?.place('vehicle', t === null ? null : trajectory.sample(t).position);
   };
-  const plots = new Plots(host, plan_panels(plan, trajectory), {
+  const plots = new Plots(host, plan_panels(plan, trajectory, top_speed(plan, trajectory)), {
     duration: trajectory.duration,
     junctions: trajectory.starts.slice(1, -1),
-    top_speed: top_speed(plan, trajectory),
     on_time: follow,
   });
 }

@@ -36,14 +36,15 @@ function norm_limit(request, limit) {
   return request?.norm === 'euclidean' && typeof limit === 'number' ? [limit] : [];
 }
 
-/// Twelve panels in three rows of four: x, y, z and the whole, for position, velocity and acceleration.
-export function plan_panels(plan, trajectory) {
+/// Twelve panels in three rows of four: x, y, z and the whole, for position, velocity and acceleration. `top_speed` is
+/// at the end of the colours.
+export function plan_panels(plan, trajectory, top_speed) {
   const samples = trajectory.samples(600);
   const [position, velocity, acceleration] = axis_panels(plan, trajectory, samples);
   const margin = panel(samples, trajectory, (sample) => box_margin(plan.corridor[sample.index], sample.position),
                        { title: 'distance to the box', unit: 'm', colour: 'whole', limits: [0] });
   const speed = panel(samples, trajectory, (sample) => norm(sample.velocity),
-                      { title: 'speed', unit: 'm/s', colour: 'speed', limits: norm_limit(plan.request, plan.request?.vmax) });
+                      { title: 'speed', unit: 'm/s', colour: 'scale', top: top_speed, limits: norm_limit(plan.request, plan.request?.vmax) });
   const effort = panel(samples, trajectory, (sample) => norm(sample.acceleration),
                        { title: 'acceleration', unit: 'm/s²', colour: 'whole', limits: norm_limit(plan.request, plan.request?.amax) });
   return [...position, margin, ...velocity, speed, ...acceleration, effort];

@@ -3,8 +3,10 @@ import { escape_html, fixed } from './markup.js';
 import { tick_digits, tick_step, ticks } from './ticks.js';
 
 // Small multiples over time with one cursor. A panel is
-//   { title, unit, line: [[t, value], ...], colour: class name or 'speed',
-//     limits: [number], band: [[t0, t1, low, high], ...], at: (t) => value, note: (t) => text }
+//   { title, unit, line: [[t, value], ...], colour: class name or 'scale', top: value at the end of that colour scale,
+//     other: a line drawn beneath, limits: [number], least: a value to be shown, band: [[t0, t1, low, high], ...],
+//     at: (t) => value, digits: of that in words }
+// Where a line has NaN it is interrupted.
 
 const kLeft = 44;
 const kRight = 8;
@@ -16,16 +18,18 @@ export function value_range(panel) {
   let low = Infinity;
   let high = -Infinity;
   const include = (value) => {
+    if (Number.isNaN(value)) return;
     low = Math.min(low, value);
     high = Math.max(high, value);
   };
-  for (const [, value] of panel.line) include(value);
+  for (const [, value] of [...panel.line, ...(panel.other ?? []), [0, panel.least ?? NaN]]) include(value);
   for (const limit of panel.limits ?? []) include(limit);
   const reach = Math.max(high - low, 0.5);
   for (const [, , band_low, band_high] of panel.band ?? []) {
     include(Math.max(band_low, low - reach / 4));
     include(Math.min(band_high, high + reach / 4));
   }
+  if (low > high) return [0, 1];
   const pad = Math.max((high - low) * 0.06, 1e-3);
   return [low - pad, high + pad];
 }
@@ -56,36 +60,46 @@ function axes(scale, duration, width, height) {
   return values.join('') + times.join('');
 }
 
-function speed_gradient(id, scale, top_speed) {
+function scale_gradient(id, scale, top) {
   return `<defs><linearGradient id="${id}" gradientUnits="userSpaceOnUse" x1="0" x2="0" ` +
-      `y1="${place(scale.y(0))}" y2="${place(scale.y(top_speed))}">${speed_stops()}</linearGradient></defs>`;
+      `y1="${place(scale.y(0))}" y2="${place(scale.y(top))}">${speed_stops()}</linearGradient></defs>`;
 }
 
-/// One panel as SVG text. `junctions` are the times between segments; `top_speed` anchors the speed colours.
-export function plot_svg(panel, { duration, junctions, width, height, top_speed, id }) {
+/// A line as one polyline a stretch without NaN.
+function polylines(line, { x, y }, style) {
+  const stretches = [[]];
+  for (const [t, value] of line) {
+    if (!Number.isNaN(value)) stretches.at(-1).push(`${place(x(t))},${place(y(value))}`);
+    else if (stretches.at(-1).length > 0) stretches.push([]);
+  }
+  return stretches.filter((points) => points.length > 0).map((points) => `<polyline fill="none" ${style} points="${points.join(' ')}"/>`).join('');
+}
+
+/// One panel as SVG text. `junctions` are the times between segments.
+export function plot_svg(panel, { duration, junctions, width, height, id }) {
   const scale = scales(panel, duration, width, height);
   const { x, y } = scale;
-  const points = panel.line.map(([t, value]) => `${place(x(t))},${place(y(value))}`).join(' ');
-  const is_speed = panel.colour === 'speed';
-  const stroke = is_speed ? `class="line" stroke="url(#${id})"` : `class="line ${panel.colour}"`;
+  const on_scale = panel.colour === 'scale';
   const bottom = height - kBottom;
   const marks = junctions.map((t) => `<line class="junction" x1="${place(x(t))}" x2="${place(x(t))}" y1="${bottom}" y2="${bottom - 5}"/>`);
   const limits = (panel.limits ?? []).map((limit) => `<line class="limit" x1="${kLeft}" x2="${width - kRight}" y1="${place(y(limit))}" y2="${place(y(limit))}"/>`);
   return `<svg viewBox="0 0 ${width} ${height}" width="${width}" height="${height}" role="img" aria-label="${escape_html(panel.title)} over time">` +
-      (is_speed ? speed_gradient(id, scale, top_speed) : '') + (panel.band ? band_path(panel, scale) : '') +
+      (on_scale ? scale_gradient(id, scale, panel.top) : '') + (panel.band ? band_path(panel, scale) : '') +
       axes(scale, duration, width, height) + marks.join('') + limits.join('') +
-      `<polyline fill="none" ${stroke} points="${points}"/>` +
+      polylines(panel.other ?? [], scale, 'class="line other"') +
+      polylines(panel.line, scale, on_scale ? `class="line" stroke="url(#${id})"` : `class="line ${panel.colour}"`) +
       `<g class="cursor" visibility="hidden"><line y1="${kTop}" y2="${bottom}"/><circle r="3.5"/></g></svg>`;
 }
 
-/// Draws panels into `host` and keeps one cursor over all of them. `on_time(t or null)` follows the pointer.
+/// Draws panels into `host` and keeps one cursor over all of them. `on_time(t)` follows the pointer, and is null when it
+/// leaves; with `dragged` it follows only the pressed one, and the cursor stays.
 export class Plots {
   constructor(host, panels, options) {
     this.panels = panels;
     this.options = options;
     this.figures = panels.map((panel) => this.#figure(panel));
     host.replaceChildren(...this.figures);
-    host.addEventListener('pointerleave', () => options.on_time(null));
+    if (!options.dragged) host.addEventListener('pointerleave', () => options.on_time(null));
     new ResizeObserver(() => this.#draw()).observe(host);
     this.#draw();
   }
@@ -94,11 +108,14 @@ export class Plots {
     const figure = document.createElement('figure');
     figure.innerHTML = `<figcaption><span>${escape_html(panel.title)}</span><output></output></figcaption><div></div>`;
     const plot = figure.lastElementChild;
-    plot.addEventListener('pointermove', (event) => {
+    const follow = (event) => {
+      if (this.options.dragged && event.buttons === 0) return;
       const left = plot.getBoundingClientRect().left;
       const t = ((event.clientX - left - kLeft) / (this.width - kLeft - kRight)) * this.options.duration;
       this.options.on_time(Math.min(Math.max(t, 0), this.options.duration));
-    });
+    };
+    plot.addEventListener('pointerdown', follow);
+    plot.addEventListener('pointermove', follow);
     return figure;
   }
 
@@ -106,9 +123,10 @@ export class Plots {
     const width = Math.floor(this.figures[0].lastElementChild.clientWidth);
     if (width < 80 || width === this.width) return;
     this.width = width;
-    this.height = 150;
+    const height = 150;
+    this.scales = this.panels.map((panel) => scales(panel, this.options.duration, width, height));
     this.figures.forEach((figure, i) => {
-      figure.lastElementChild.innerHTML = plot_svg(this.panels[i], { ...this.options, width, height: this.height, id: `speed-${i}` });
+      figure.lastElementChild.innerHTML = plot_svg(this.panels[i], { ...this.options, width, height, id: `scale-${i}` });
     });
     this.set_time(this.time ?? null);
   }
@@ -116,23 +134,25 @@ export class Plots {
   /// Moves the cursor of every panel to time t; null hides it.
   set_time(t) {
     this.time = t;
-    this.figures.forEach((figure, i) => this.#move_cursor(figure, this.panels[i], t));
+    this.figures.forEach((figure, i) => this.#move_cursor(figure, i, t));
   }
 
-  #move_cursor(figure, panel, t) {
+  #move_cursor(figure, i, t) {
     const cursor = figure.querySelector('.cursor');
     const readout = figure.querySelector('output');
+    const { unit, at, digits = 3 } = this.panels[i];
     cursor?.setAttribute('visibility', t === null ? 'hidden' : 'visible');
     if (t === null || !cursor) {
-      readout.textContent = panel.unit;
+      readout.textContent = unit;
       return;
     }
-    const { x, y } = scales(panel, this.options.duration, this.width, this.height);
-    const value = panel.at(t);
+    const { x, y } = this.scales[i];
+    const value = at(t);
     cursor.firstElementChild.setAttribute('x1', x(t));
     cursor.firstElementChild.setAttribute('x2', x(t));
+    cursor.lastElementChild.setAttribute('visibility', Number.isFinite(value) ? 'inherit' : 'hidden');
     cursor.lastElementChild.setAttribute('cx', x(t));
-    cursor.lastElementChild.setAttribute('cy', y(value));
-    readout.textContent = `${fixed(value, 3)} ${panel.unit}`;
+    if (Number.isFinite(value)) cursor.lastElementChild.setAttribute('cy', y(value));
+    readout.textContent = `${fixed(value, digits)} ${unit}`;
   }
 }

@@ -1,8 +1,9 @@
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
-// The 3-D view: frame W with z up, drawn only when something changed. A layer is { object, recolour?, slice? }:
-// `recolour()` takes the theme's colours anew, `slice(low, high)` cuts it by height [m].
+// The 3-D view: frame W with z up, drawn only when something changed. A layer is { object, recolour?, slice?, prepare? }:
+// `recolour()` takes the theme's colours anew, `slice(low, high)` cuts it by height [m], `prepare(camera)` comes before
+// each picture.
 
 ColorManagement.enabled = false;  // all colours are the display's own, as in the style sheet
 
@@ -41,7 +42,9 @@ export class View {
   }
 
   remove(name) {
-    if (this.layers.has(name)) this.scene.remove(this.layers.get(name).object);
+    const object = this.layers.get(name)?.object;
+    if (object) this.scene.remove(object);
+    object?.traverse((part) => [part.geometry, part.material].forEach((resource) => resource?.dispose()));
     this.layers.delete(name);
     this.request_frame();
   }
@@ -56,6 +59,26 @@ export class View {
     const { object } = this.layers.get(name);
     if (position) object.position.set(...position);
     this.show(name, position !== null);
+  }
+
+  /// Moves the camera with a point [m] that stays in the middle; null lets it go.
+  follow(position) {
+    this.controls.zoomToCursor = this.controls.enablePan = position === null;
+    if (position) {
+      const target = new Vector3(...position);
+      this.camera.position.add(target).sub(this.controls.target);
+      this.controls.target.copy(target);
+      this.controls.update();
+      this.fitted = null;
+    }
+    this.request_frame();
+  }
+
+  /// Puts the camera at `offset` [m] from what it looks at.
+  stand_off(offset) {
+    this.camera.position.copy(this.controls.target).add(new Vector3(...offset));
+    this.controls.update();
+    this.request_frame();
   }
 
   slice(low, high) {
@@ -157,6 +180,7 @@ export class View {
 
   #draw() {
     this.pending = false;
+    for (const layer of this.layers.values()) layer.prepare?.(this.camera);
     this.renderer.render(this.scene, this.camera);
     for (const label of this.labels) this.#place_label(label);
   }

@@ -14,7 +14,12 @@ export function start_theme() {
   if (!asked) kDark.addEventListener('change', () => apply(kDark.matches ? 'dark' : 'light'));
 }
 
-export function toggle_theme() {
+/// Connects the button of the page's header.
+export function connect_theme(host) {
+  host.querySelector('.theme').addEventListener('click', toggle_theme);
+}
+
+function toggle_theme() {
   apply(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
 }
 

@@ -2,14 +2,15 @@ import { fixed, html } from './markup.js';
 
 // The controls over the 3-D view: layers, a band of heights, directions.
 
-/// `layers` are { name, text, colour, on }; `heights` is [low, high] in metres and `shown` the band at the start.
-export function panel_markup(layers, heights, shown) {
+/// `layers` are { name, text, colour, on }; `heights` is [low, high] in metres and `shown` the band at the start; `more`
+/// is markup for beneath the directions.
+export function panel_markup(layers, heights, shown, more) {
   const step = Math.max((heights[1] - heights[0]) / 400, 1e-3);
   const handle = (name, value) => html`<input type="range" name="${name}" aria-label="${name} height shown [m]"
     min="${heights[0]}" max="${heights[1]}" step="${step}" value="${value}">`;
   return html`<div class="panel">
     <div class="directions" role="group" aria-label="View">${['oblique', 'top', 'side'].map((name) =>
-      html`<button type="button" data-direction="${name}">${name}</button>`)}</div>
+      html`<button type="button" data-direction="${name}">${name}</button>`)}</div>${more}
     <div class="layers">${layers.map((layer) => html`<label><input type="checkbox" name="${layer.name}" ${layer.on ? 'checked' : ''}>
       <i style="background:${layer.colour}"></i>${layer.text}</label>`)}</div>
     <fieldset class="heights"><legend>Heights <output></output></legend><div class="band">${handle('lowest', shown[0])}${

@@ -7,16 +7,20 @@ import { data_hull, decode_boxes, hull } from '../src/boxes_data.js';
 import { boxes_across, CellMap, first_hit, widest_height } from '../src/cell_map.js';
 import { speed_colour } from '../src/colours.js';
 import { density_grid } from '../src/density.js';
+import { event_list, flight_heading, flight_headline, flight_numbers } from '../src/flight_numbers.js';
+import { flight_panels, tracking_top } from '../src/flight_plots.js';
+import { decode_channel, FlightTrack, last_at, spans } from '../src/flight_track.js';
 import { fixed, html, significant, time_span } from '../src/markup.js';
 import { cell_line, map_heading, map_headline, map_numbers } from '../src/map_numbers.js';
 import { headline, plan_heading, plan_numbers } from '../src/numbers.js';
 import { plan_panels } from '../src/plan_plots.js';
 import { plot_svg, value_range } from '../src/plots.js';
 import { ticks } from '../src/ticks.js';
+import { neighbour_event, timeline_markup } from '../src/timeline.js';
 import { box_margin, evaluate, Trajectory } from '../src/trajectory.js';
 
 const plan = JSON.parse(readFileSync(new URL('../../../../tests/data/plan_small.json', import.meta.url)));
-const options = { duration: 4, junctions: [2], width: 300, height: 150, top_speed: 0.9375, id: 'speed' };
+const options = { duration: 4, junctions: [2], width: 300, height: 150, id: 'scale' };
 
 test('a polynomial gives value, first and second derivative', () => {
   assert.deepEqual(evaluate([1, 2, 3, 4, 5, 6], 2), [321, 702, 1254]);
@@ -136,9 +140,126 @@ test('every status has its page, fields or not', () => {
   }
 });
 
+test('a line is interrupted where it has no value, and does not widen the range there', () => {
+  const panel = { title: 't', line: [[0, NaN], [1, 1], [2, 2], [3, NaN], [3, NaN], [4, 1]], limits: [], colour: 'whole', least: 0 };
+  const lines = [...plot_svg(panel, options).matchAll(/<polyline[^>]*points="([^"]*)"/g)].map((match) => match[1].split(' ').length);
+  assert.deepEqual(lines, [2, 1]);
+  const [low, high] = value_range(panel);
+  assert.ok(low < 0 && low > -1 && high > 2 && high < 3);
+  assert.deepEqual(value_range({ line: [[0, NaN]] }), [0, 1]);
+});
+
+const pack = (integers) => Buffer.from(Uint16Array.from(integers.flat()).buffer).toString('base64');
+
+/// Four moments: 1 m along x within 2 s, turning from 170 to -170 degrees, at last upside down; the reference begins with
+/// the second one.
+function small_flight(flight = {}) {
+  const channel = (low, step, integers) => ({ low, step, values: pack(integers) });
+  const none = channel(0, 1, [65535, 65535, 65535, 65535]);
+  const unit = (values) => channel(-1, 1 / 32767, values.map((value) => Math.round(32767 * (value + 1))));
+  const [far, near] = [Math.sin((85 * Math.PI) / 180), Math.cos((85 * Math.PI) / 180)];
+  return {
+    kind: 'flight', title: 't', vehicle_radius: 0.2, tracking_tube: 0.1, speed_limit: 1, speed_limit_per_axis: true, line_rate: 1000,
+    goals: [[1, 0, 0], [2, 0, 0]], phases: [{ t: 0, name: 'mission' }], states: [{ t: 0, name: 'holding' }, { t: 1, name: 'flying' }],
+    events: [{ t: 1, kind: 'note', what: 'a <plan>' }, { t: 2, kind: 'arrival', what: 'goal 1 reached' }],
+    plans: { count: 1, shown: [{ number: 1, committed: 1, begins: 1, duration: 9, length: 1, boxes: [[0, 0, 0, 1, 1, 1]], path: {} }] },
+    flight,
+    samples: {
+      count: 4, shown: 4, t: { low: pack([0, 1000, 2000, 34464]), high: pack([0, 0, 0, 1]) },
+      x: channel(-1, 0.5, [0, 1, 2, 2]), y: channel(0, 1, [0, 0, 0, 0]), z: channel(1, 1, [0, 0, 0, 0]),
+      reference_x: channel(-1, 0.5, [65535, 1, 2, 2]), reference_y: channel(0, 1, [65535, 0, 0, 0]), reference_z: channel(1, 1, [65535, 0, 0, 0]),
+      qw: unit([near, near, 1, 0]), qx: unit([0, 0, 0, 1]), qy: unit([0, 0, 0, 0]), qz: unit([far, -far, 0, 0]),
+      tracking_error: channel(0, 0.01, [65535, 2, 4, 20]), estimate_error: none, speed: channel(0, 1, [0, 1, 0, 0]), reference_speed: none,
+      setpoint_rate: channel(0, 1, [50, 50, 50, 50]), rate_in: channel(0, 1, [100, 100, 100, 200]), rate_out: none,
+    },
+  };
+}
+
+test('a packed channel gives its values, and none where there is none', () => {
+  assert.deepEqual([...decode_channel({ low: -1, step: 0.5, values: pack([0, 3, 65534, 65535]) })], [-1, 0.5, 32766, NaN]);
+});
+
+test('the last of ascending times is found, before, between, at and after them', () => {
+  assert.deepEqual([-1, 0, 0.5, 1, 2, 9].map((t) => last_at([0, 1, 1, 2], t)), [-1, 0, 0, 2, 3, 3]);
+  assert.equal(last_at([], 1), -1);
+  assert.deepEqual(spans([{ t: 0, name: 'a' }, { t: 2, name: 'b' }], 5).map(({ t, end }) => [t, end]), [[0, 2], [2, 5]]);
+});
+
+test('a flight is looked up by time, between its samples and beyond its ends', () => {
+  const track = new FlightTrack(small_flight().samples);
+  assert.equal(track.duration, 100);
+  assert.equal(track.length, 1);
+  assert.deepEqual([-1, 0.5, 1.5, 50, 999].map((t) => track.position(t)[0]), [-1, -0.75, -0.25, 0, 0]);
+  assert.equal(track.reference(0.5), null);
+  assert.deepEqual(track.reference(1.5), [-0.25, 0, 1]);
+  assert.deepEqual([0, 1, 2].map((t) => Math.round(track.value('heading', t))), [170, -170, 0]);
+  assert.deepEqual([0, 2, 100].map((t) => Math.round(track.value('tilt', t))), [0, 0, 180]);
+  assert.deepEqual([0, 1, 2, 3].map((t) => track.value('speed', t)), [0, 1, 0, 0]);
+});
+
+test('an attitude between two samples goes the near way and stays a rotation', () => {
+  const track = new FlightTrack(small_flight().samples);
+  const [x, y, z, w] = track.attitude(0.5);
+  assert.ok(Math.abs(Math.hypot(x, y, z, w) - 1) < 1e-12);
+  assert.ok(Math.abs(w) < 1e-3 && Math.abs(z) > 0.999, 'half-way from 170 to -170 degrees is 180, not 0');
+});
+
+test('a thinned curve keeps extremes and gaps, a thinned path its ends', () => {
+  const values = Array.from({ length: 1000 }, (_, i) => (i >= 500 && i < 700 ? 65535 : i === 123 ? 900 : i % 7));
+  const flat = pack(Array(1000).fill(0));
+  const zero = { low: 0, step: 1, values: flat };
+  const names = ['x', 'y', 'z', 'qw', 'qx', 'qy', 'qz'];
+  const track = new FlightTrack({ count: 1000, shown: 1000, t: { low: pack(values.map((_, i) => i)), high: flat }, ...Object.fromEntries(names.map((name) => [name, zero])), speed: { low: 0, step: 1, values: pack(values) } });
+  const curve = track.curve('speed', 100);
+  assert.ok(curve.length <= 100);
+  assert.equal(Math.max(...curve.map(([, value]) => value).filter(Number.isFinite)), 900);
+  assert.ok(curve.some(([t, value]) => t >= 0.5 && t < 0.7 && Number.isNaN(value)));
+  assert.ok(curve.every(([t], i) => i === 0 || t >= curve[i - 1][0]));
+  assert.deepEqual(track.path(0.1), [0, 999]);
+});
+
+test('a flight has nine panels, with the tube, the limit and the load of the line', () => {
+  const report = small_flight();
+  const track = new FlightTrack(report.samples);
+  const panels = flight_panels(report, track);
+  assert.equal(panels.length, 9);
+  assert.deepEqual([panels[0].limits, panels[1].limits], [[10], [1]]);
+  assert.equal(panels[0].at(2), 4);
+  assert.equal(panels[8].at(100), 20);
+  assert.ok(panels[4].line.some(([, value]) => Number.isNaN(value)), 'a turn through south breaks the heading');
+  for (const panel of panels) assert.ok(!plot_svg(panel, { ...options, duration: 100 }).includes('NaN'), panel.title);
+  const bare = { ...report, tracking_tube: null, speed_limit: null, line_rate: null };
+  assert.equal(tracking_top(bare, track), 0.2);
+  assert.deepEqual(flight_panels(bare, track).slice(0, 2).map((panel) => panel.limits), [[], []]);
+});
+
+test('the timeline shows states, phases and events, and leads from event to event', () => {
+  const report = small_flight();
+  const text = timeline_markup({ ...report, duration: 100, states: spans(report.states, 100), phases: spans(report.phases, 100) }).text;
+  for (const part of ['state-flying', 'left:1.000%;width:99.000%', 'a &#60;plan&#62;', 'class="event arrival"', 'aria-label="Time of the flight [s]"']) assert.ok(text.includes(part), part);
+  assert.deepEqual([0, 1, 2, 3].map((t) => neighbour_event(report.events, t, 1)), [1, 2, null, null]);
+  assert.deepEqual([0, 1, 2, 3].map((t) => neighbour_event(report.events, t, -1)), [null, null, 1, 2]);
+});
+
+test('a flight has its page, fields or not', () => {
+  const bare = small_flight();
+  assert.ok(flight_heading('t', bare).text.includes('unknown'));
+  assert.ok(flight_headline(bare).text.includes('–'));
+  assert.ok(flight_numbers({ ...bare, track_length: 1 }).text.includes('Way flown'));
+  assert.ok(event_list([]).text.includes('Nothing'));
+  const full = small_flight({
+    status: 'pilot_took_over', reason: 'the <pilot>', tracking: { rms: 0.03, max: 0.11 }, flown_clearance: 0.15, flown_duration: 12.3, link: { messages_in: 12345, crc_errors: 2, load_in: 0.125 },
+    request: { start: [0, 0, 1], setpoint: 'rates', vmax: 1, gust: 3, seed: 7, in_process: true }, margins: { map_radius: 0.3 }, setpoints: { count: 50, jitter_p99: 0.002 },
+    plans: [{ id: 1, total_us: 812 }], faults: [{ fault: 'stall@3', t: 3, after: 0.25, what: 'braking', settled: null }],
+  });
+  assert.ok(flight_heading('t', full).text.includes('pilot took over'));
+  const text = flight_headline(full).text + flight_numbers({ ...full, track_length: 1 }).text;
+  for (const part of ['3.0', 'figure bad', '12.3', '12,345', '12.5', 'rates', '812 µs', 'stall@3', '0.250', 'lock-step', '2 <small>ms']) assert.ok(text.includes(part), part);
+  assert.ok(flight_numbers({ ...full, plans: { ...full.plans, count: 9 } }).text.includes('8 more'));
+});
+
 /// Two cells with a window of 1 m x 2 m and a third cell apart, on a grid of half metres.
 function small_map() {
-  const pack = (integers) => Buffer.from(Uint16Array.from(integers.flat()).buffer).toString('base64');
   const boxes = [[0, 0, 2, 4, 4, 6], [4, 2, 2, 6, 4, 6], [10, 0, 2, 12, 2, 4]];
   return {
     grid: { origin: [-1, 0, 1], unit: 0.5, voxel: 0.5 },
