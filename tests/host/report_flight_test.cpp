@@ -29,12 +29,12 @@ Json data_of_flight(const FlightRecord& record) { return data_of(flight_report_h
 
 /// The integers of base64 text.
 std::vector<int> integers_of(const std::string& base64) {
-  static const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::vector<int> bytes;
   for (std::size_t i = 0; i + 3 < base64.size(); i += 4) {
     int four = 0;
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t digit = kDigits.find(base64[i + k]);
+      const std::size_t digit = digits.find(base64[i + k]);
       four = 64 * four + (digit == std::string::npos ? 0 : static_cast<int>(digit));
     }
     for (int shift = 16; shift >= 0; shift -= 8) bytes.push_back(four >> shift & 255);

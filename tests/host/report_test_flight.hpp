@@ -100,12 +100,12 @@ inline RecordedSample moment_of_eight(double t, double duration) {
 }
 
 inline FlightRecord flight_of_eight(double duration, double rate) {
-  static const std::vector<IntBox> kWorld{{{0, 0, 0}, {100, 60, 1}},   {{0, 0, 1}, {100, 1, 30}},
-                                          {{0, 59, 1}, {100, 60, 30}}, {{0, 1, 1}, {1, 59, 30}},
-                                          {{28, 27, 1}, {32, 33, 30}}, {{68, 27, 1}, {72, 33, 30}},
-                                          {{48, 2, 1}, {52, 22, 12}},  {{48, 38, 1}, {52, 58, 20}}};
+  static const std::vector<IntBox> world{{{0, 0, 0}, {100, 60, 1}},   {{0, 0, 1}, {100, 1, 30}},
+                                         {{0, 59, 1}, {100, 60, 30}}, {{0, 1, 1}, {1, 59, 30}},
+                                         {{28, 27, 1}, {32, 33, 30}}, {{68, 27, 1}, {72, 33, 30}},
+                                         {{48, 2, 1}, {52, 22, 12}},  {{48, 38, 1}, {52, 58, 20}}};
   FlightRecord record;
-  record.obstacles = {{0, 0, 0}, 0.1, 0.1, kWorld};
+  record.obstacles = {{0, 0, 0}, 0.1, 0.1, world};
   const auto count = static_cast<int>(duration * rate);
   for (int i = 0; i <= count; ++i) record.samples.push_back(moment_of_eight(i / rate, duration));
   const double plan_time = kSegmentTime * kSegmentsPerPlan;

@@ -59,7 +59,7 @@ function connect_replay(host, report, track, view) {
     now.textContent = numbers;
     player.describe(`${fixed(t, 1)} s, ${name}, ${numbers}`);
     const latest = last_at(event_times, t);
-    items.forEach((item, i) => item.toggleAttribute('aria-current', i === latest));
+    items.forEach((item, i) => (i === latest ? item.setAttribute('aria-current', 'step') : item.removeAttribute('aria-current')));
     plots.set_time(t);
     view?.show_time(t);
   };
