@@ -53,7 +53,8 @@ struct RecordedEvent {
   std::string what;
 };
 
-/// A part of the flight (on the ground, take-off, mission, landing) from `t` to the next one's.
+/// A part of the flight (on the ground, take-off, mission, landing) from `t` to the next one's. Where there are any,
+/// the page shows the tracking error in those named "mission".
 struct RecordedPhase {
   double t = 0;
   std::string name;

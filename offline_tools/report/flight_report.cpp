@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -27,6 +29,7 @@ constexpr int kPathPieces = 15;  // of a segment
 
 constexpr double kRateWindow = 1;             // [s] over which a rate is taken
 constexpr double kShortestRateWindow = 0.25;  // [s]; a shorter one, at the beginning, gives no rate
+constexpr std::string_view kTrackedPhase = "mission";
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 using Samples = std::span<const RecordedSample>;
@@ -52,15 +55,33 @@ Json times_json(Samples samples, std::span<const std::size_t> shown) {
   return {{"low", encode_integers(low)}, {"high", encode_integers(high)}};
 }
 
-double tracking_error(const RecordedSample& sample) {
-  return sample.has_reference ? (sample.reference - sample.position).norm() : kMissing;
+/// True while the vehicle is to be where the reference is.
+bool follows(const RecordedSample& sample) {
+  const bool in_control = sample.state == FlightState::kFlying || sample.state == FlightState::kBraking ||
+                          sample.state == FlightState::kHolding;
+  return sample.has_reference && in_control;
 }
 
-/// The largest tracking error after sample `from` up to `to`; not a number without any.
-double worst_error(Samples samples, std::size_t from, std::size_t to) {
-  double worst = kMissing;
-  for (std::size_t i = from; i <= to; ++i) worst = std::fmax(worst, tracking_error(samples[i]));
-  return worst;
+/// True once the companion's frame is tied to the map's, which happens at arming.
+bool is_aligned(const RecordedSample& sample) {
+  return sample.has_estimate && sample.state != FlightState::kIdle && sample.state != FlightState::kReady;
+}
+
+/// True in the part of the flight for which tracking is promised: neither take-off nor landing.
+bool is_tracked(std::span<const RecordedPhase> phases, double t) {
+  const auto next = std::upper_bound(phases.begin(), phases.end(), t,
+                                     [](double time, const RecordedPhase& phase) { return time < phase.t; });
+  return phases.empty() || (next != phases.begin() && std::prev(next)->name == kTrackedPhase);
+}
+
+/// Not a number where it means nothing.
+std::vector<double> tracking_errors(const FlightRecord& record) {
+  std::vector<double> errors;
+  for (const RecordedSample& sample : record.samples) {
+    const bool counts = follows(sample) && is_tracked(record.phases, sample.t);
+    errors.push_back(counts ? (sample.reference - sample.position).norm() : kMissing);
+  }
+  return errors;
 }
 
 /// The speed that the limit is about.
@@ -92,15 +113,20 @@ class Channels {
     return of_index([&](std::size_t i) { return value(samples_[i]); });
   }
   [[nodiscard]] Json of_reference(const std::function<double(const RecordedSample&)>& value) const {
-    return of([&](const RecordedSample& sample) { return sample.has_reference ? value(sample) : kMissing; });
+    return of([&](const RecordedSample& sample) { return follows(sample) ? value(sample) : kMissing; });
   }
   [[nodiscard]] Json rate_of(std::uint64_t RecordedSample::*counter) const {
     const std::vector<double> all = rates(samples_, counter);
     return of_index([&](std::size_t i) { return all[i]; });
   }
-  [[nodiscard]] Json worst_errors() const {
-    std::size_t next = 0;  // after the last one shown
-    return of_index([&](std::size_t i) { return worst_error(samples_, std::exchange(next, i + 1), i); });
+  /// Of each sample the largest of `values` since the one shown before, not a number without any.
+  [[nodiscard]] Json worst_of(std::span<const double> values) const {
+    std::size_t next = 0;
+    return of_index([&](std::size_t i) {
+      double worst = kMissing;
+      for (; next <= i; ++next) worst = std::fmax(worst, values[next]);
+      return worst;
+    });
   }
 
  private:
@@ -134,10 +160,10 @@ Json samples_json(const FlightRecord& record) {
   Json json{{"count", samples.size()},
             {"shown", channels.shown().size()},
             {"t", times_json(samples, channels.shown())},
-            {"tracking_error", channels.worst_errors()}};
+            {"tracking_error", channels.worst_of(tracking_errors(record))}};
   put_motion(json, channels);
   json["estimate_error"] = channels.of([](const RecordedSample& sample) {
-    return sample.has_estimate ? (sample.estimate - sample.position).norm() : kMissing;
+    return is_aligned(sample) ? (sample.estimate - sample.position).norm() : kMissing;
   });
   json["speed"] = channels.of([&](const RecordedSample& sample) { return limited_speed(sample.velocity, per_axis); });
   json["reference_speed"] = channels.of_reference(

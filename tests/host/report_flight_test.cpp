@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "report/flight_report.hpp"
@@ -76,6 +77,7 @@ TEST(FlightReport, MakesErrorsAndRatesOfWhatWasRecorded) {
   for (int i = 0; i <= 300; ++i) {
     RecordedSample sample;
     sample.t = 0.01 * i;
+    sample.state = swiftlet::FlightState::kFlying;
     sample.has_reference = i >= 100;
     sample.reference = Vector3{0.03, 0.04, 0};
     sample.velocity = Vector3{-3, 4, 0};
@@ -93,6 +95,23 @@ TEST(FlightReport, MakesErrorsAndRatesOfWhatWasRecorded) {
   EXPECT_NEAR(rate[300], 50, 1.1);
   record.speed_limit_per_axis = true;
   EXPECT_NEAR(values_of(data_of_flight(record)["samples"]["speed"])[0], 4, 1e-9);
+}
+
+TEST(FlightReport, ShowsTheErrorsOnlyWhereTheyMeanSomething) {
+  FlightRecord record = flight_of_eight(30, 10);  // in control from 1 s to 28 s, on its mission from 3 s on
+  const auto finite_from_to = [&](const char* name) {
+    const std::vector<double> values = values_of(data_of_flight(record)["samples"][name]);
+    std::size_t from = 0;
+    while (from < values.size() && values[from] == -1e9) ++from;
+    std::size_t to = values.size();
+    while (to > from && values[to - 1] == -1e9) --to;
+    return std::pair{record.samples[from].t, record.samples[to - 1].t};
+  };
+  EXPECT_EQ(finite_from_to("tracking_error"), std::pair(3.0, 27.9));
+  EXPECT_EQ(finite_from_to("reference_z"), std::pair(1.0, 28.0));
+  EXPECT_EQ(finite_from_to("estimate_error"), std::pair(1.0, 30.0));
+  record.phases.clear();
+  EXPECT_EQ(finite_from_to("tracking_error"), std::pair(1.0, 28.0));
 }
 
 TEST(FlightReport, KeepsTheWorstErrorAndEveryStateOfALongFlight) {

@@ -188,7 +188,7 @@ function add_plans(view, { plans }, radius) {
     shown = index;
     const plan = plans.shown[index];
     replace('corridor', outlined_boxes(plan ? distinct(plan.boxes) : [], { colour: '--corridor', face_opacity: 0.07, edge_opacity: 0.75 }));
-    replace('plan', path_tube(plan ? path_points(plan.path) : [], { radius: radius / 14, colour: '--planned' }));
+    replace('plan', path_tube(plan ? path_points(plan.path) : [], { radius: radius / 14, colour: '--planned', behind: 0.1 }));
   };
   show(-1);
   return show;

@@ -81,12 +81,12 @@ function geometry_of({ attributes, index }) {
 }
 
 /// A tube along `positions` [m] in the colours that `tint(i)` gives them ([r, g, b]) or in one of the style sheet.
-/// `reach(count)` draws it along the first of the positions only; with `ahead` the rest stays as a shade.
-export function path_tube(positions, { radius, tint, colour, ahead = false }) {
+/// `behind` is the opacity where it is hidden. `reach(count)` draws it along the first of the positions only; with `ahead` the rest stays as a shade.
+export function path_tube(positions, { radius, tint, colour, behind = 0.5, ahead = false }) {
   const parts = tube_parts(positions.map((position) => new Vector3(...position)), tint ?? (() => [0, 0, 0]));
   const geometry = geometry_of(parts);
   const tube = new Mesh(geometry, tube_material(radius, 1, {}));
-  const hidden = new Mesh(geometry, tube_material(radius, 0.5, { transparent: true, depthFunc: GreaterDepth, depthWrite: false }));
+  const hidden = new Mesh(geometry, tube_material(radius, behind, { transparent: true, depthFunc: GreaterDepth, depthWrite: false }));
   const meshes = [tube, hidden];
   // What is drawn already covers its own shade: that is at the same depth, not at a lesser one.
   if (ahead) meshes.push(new Mesh(geometry_of(parts), tube_material(radius, 0.22, { transparent: true, depthFunc: LessDepth, depthWrite: false })));
