@@ -58,6 +58,15 @@ class UlogWriter {
 
  private:
   void message(char type, std::size_t size);
+  template <typename Number>
+  void pair(char type, std::string_view type_name, std::string_view key, Number value) {
+    key = key.substr(0, kLongestName);
+    message(type, 1 + type_name.size() + key.size() + sizeof(value));
+    put(static_cast<std::uint8_t>(type_name.size() + key.size()));
+    put(type_name);
+    put(key);
+    put(value);
+  }
   void put(std::span<const std::byte> bytes);
   void put(std::string_view text) { put(std::as_bytes(std::span(text))); }
   template <typename Number>
@@ -96,9 +105,12 @@ inline constexpr std::array<UlogType, 12> kUlogTypes{{{"int8_t", 1},
 /// Of "float" or "float[3]"; 0 when it is no type.
 constexpr std::size_t ulog_type_size(std::string_view type) {
   const std::size_t bracket = type.find('[');
-  std::size_t count = bracket == std::string_view::npos ? 1 : 0;
-  for (std::size_t i = bracket; count != 1 && i + 1 < type.size() && type[i + 1] != ']'; ++i) {
-    count = 10 * count + static_cast<std::size_t>(type[i + 1] - '0');
+  std::size_t count = 1;
+  if (bracket != std::string_view::npos) {
+    count = 0;
+    for (std::size_t i = bracket + 1; i < type.size() && type[i] != ']'; ++i) {
+      count = 10 * count + static_cast<std::size_t>(type[i] - '0');
+    }
   }
   for (const UlogType& known : kUlogTypes) {
     if (known.name == type.substr(0, bracket)) return known.size * count;
