@@ -73,7 +73,7 @@ bool FlightLog::begin(std::string_view name, TimeUs now, const LogHeader& header
 }
 
 void FlightLog::end() {
-  if (piece_size_ > 0) finish_piece();
+  finish_piece();  // even an empty one: it says that the log is whole
   writer_.flush();
 }
 
@@ -109,13 +109,6 @@ void FlightLog::note_write(std::span<const std::byte> offered, std::size_t taken
   }
   sent_crc_ = crc32(sent_crc_, offered);
   ++writes_;
-}
-
-void FlightLog::note_overruns(std::uint32_t overruns) {
-  if (overruns == overruns_) return;
-  overruns_ = overruns;
-  put(InputKind::kOverruns);
-  put(overruns);
 }
 
 void FlightLog::note_plan_done() { put(InputKind::kPlanDone); }
@@ -182,7 +175,7 @@ void FlightLog::write_estimate(const Telemetry& telemetry) {
   write_topic(topic::VehicleLocalPosition{
       now, sampled, ned_floats(estimate.position), ned_floats(estimate.velocity), heading, {true, true, true, true}});
   write_topic(topic::VehicleAttitude{now, sampled, ned_floats(estimate.attitude)});
-  write_topic(topic::VehicleAngularVelocity{now, sampled, floats(mavlink::to_frd(estimate.body_rates).value), {}});
+  write_topic(topic::VehicleAngularVelocity{now, sampled, floats(mavlink::to_frd(estimate.body_rates).value)});
 }
 
 void FlightLog::write_setpoint(const Telemetry& telemetry) {
@@ -246,26 +239,13 @@ void FlightLog::write_plan(const Telemetry& telemetry) {
   plan_ = plan.id;
   const std::uint64_t now = stamp(telemetry.time);
   const auto count = static_cast<std::uint32_t>(plan.segments.size());
-  write_topic(topic::Plan{now,
-                          stamp(plan.start),
-                          plan.id,
-                          count,
-                          static_cast<float>(total_duration(plan.segments)),
-                          short_time(plan.latency),
-                          floats(plan.from.position),
-                          floats(plan.goal.position),
-                          static_cast<float>(plan.certificate.box_margin),
-                          plan.map_crc,
-                          static_cast<std::uint32_t>(plan.status),
-                          {}});
+  write_topic(topic::Plan{now, stamp(plan.start), plan.id, count, static_cast<float>(total_duration(plan.segments)),
+                          short_time(plan.latency), floats(plan.from.position), floats(plan.goal.position),
+                          static_cast<float>(plan.certificate.box_margin), plan.map_crc,
+                          static_cast<std::uint32_t>(plan.status)});
   for (std::uint32_t i = 0; i < count && i < plan.boxes.size(); ++i) {
-    write_topic(topic::PlanSegment{now,
-                                   plan.id,
-                                   i,
-                                   static_cast<float>(plan.segments[i].duration),
-                                   floats(plan.boxes[i].lo),
-                                   floats(plan.boxes[i].hi),
-                                   {}});
+    write_topic(topic::PlanSegment{now, plan.id, i, static_cast<float>(plan.segments[i].duration),
+                                   floats(plan.boxes[i].lo), floats(plan.boxes[i].hi)});
   }
 }
 

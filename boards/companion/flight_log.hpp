@@ -26,11 +26,10 @@ enum class InputKind : std::uint8_t {
   kStep = 1,      ///< i64 now [us]; what follows belongs to this step
   kRead = 2,      ///< u16 n, n bytes: what one Uart::read gave; reads that gave nothing at a step's end are left out
   kWrite = 3,     ///< u16 k, u16 n: of this step's k-th write the device took but n bytes
-  kOverruns = 4,  ///< u32: what Uart::overruns says from now on
-  kPlanDone = 5,  ///< PlanWorker::done was true in this step
-  kWord = 6,      ///< u8 kind, u32 id, 3 f64 a, 3 f64 b, u8 has_yaw, f64 yaw: a word of the operator
-  kMap = 7,       ///< u32 CRC-32: another map was given
-  kSent = 8,      ///< ends a step that wrote: u16 writes, u32 CRC-32 of all bytes that were offered to the device
+  kPlanDone = 4,  ///< PlanWorker::done was true in this step
+  kWord = 5,      ///< u8 kind, u32 id, 3 f64 a, 3 f64 b, u8 has_yaw, f64 yaw: a word of the operator
+  kMap = 6,       ///< u32 CRC-32: another map was given
+  kSent = 7,      ///< ends a step that wrote: u16 writes, u32 CRC-32 of all bytes that were offered to the device
 };
 
 /// The log of a flight: what PX4's tools plot, what people read, and every input, so that the flight can be replayed
@@ -55,7 +54,6 @@ class FlightLog {
   void begin_step(TimeUs now);
   void note_read(std::span<const std::byte> bytes);
   void note_write(std::span<const std::byte> offered, std::size_t taken);
-  void note_overruns(std::uint32_t overruns);
   void note_plan_done();
   void note_word(const Word& word);  ///< whether it is accepted or not
   void note_map(std::uint32_t crc32);
@@ -68,7 +66,7 @@ class FlightLog {
  private:
   template <typename Topic>
   void write_topic(const Topic& message) {
-    writer_.data(Topic::kId, std::as_bytes(std::span(&message, 1)));
+    writer_.data(Topic::kId, std::as_bytes(std::span(&message, 1)).first(ulog_format_size(Topic::kFormat)));
   }
   void write_estimate(const Telemetry& telemetry);
   void write_setpoint(const Telemetry& telemetry);
@@ -89,8 +87,7 @@ class FlightLog {
 
   TimeUs now_ = 0;
   std::uint32_t empty_reads_ = 0;  // not recorded yet
-  std::uint32_t overruns_ = 0;
-  std::uint16_t writes_ = 0;  // of this step
+  std::uint16_t writes_ = 0;       // of this step
   std::uint32_t sent_crc_ = 0;
 
   TimeUs estimate_time_ = -1;  // of the last that was written
@@ -113,11 +110,7 @@ class RecordedUart final : public hal::Uart {
     if (log_ != nullptr) log_->note_read(into.first(count));
     return count;
   }
-  [[nodiscard]] std::uint32_t overruns() const override {
-    const std::uint32_t overruns = uart_.overruns();
-    if (log_ != nullptr) log_->note_overruns(overruns);
-    return overruns;
-  }
+  [[nodiscard]] std::uint32_t overruns() const override { return 0; }  ///< Not recorded, so nobody may rest on it.
 
  private:
   hal::Uart& uart_;

@@ -6,7 +6,8 @@
 
 #include "companion/ulog_writer.hpp"
 
-/// The topics of a flight log: each struct's bytes are what its format string says, which is checked here. The names
+/// The topics of a flight log: each struct's bytes, without padding at its end, are what its format string says, which
+/// is checked here. The names
 /// and units of PX4's own topics are PX4's (NED, forward-right-down), so that its tools plot them; each holds the part
 /// of PX4's fields that a companion knows. Times are of the companion's clock [us].
 namespace swiftlet::companion::topic {
@@ -37,11 +38,10 @@ struct VehicleAttitude {
 struct VehicleAngularVelocity {
   static constexpr std::uint16_t kId = 2;
   static constexpr std::string_view kFormat =
-      "vehicle_angular_velocity:uint64_t timestamp;uint64_t timestamp_sample;float[3] xyz;uint8_t[4] _padding0;";
+      "vehicle_angular_velocity:uint64_t timestamp;uint64_t timestamp_sample;float[3] xyz;";
   std::uint64_t timestamp = 0;
   std::uint64_t timestamp_sample = 0;
   std::array<float, 3> xyz{};  ///< [rad/s]
-  std::array<std::uint8_t, 4> padding{};
 };
 
 /// The reference: what is to be tracked, whatever form it is sent in.
@@ -122,7 +122,7 @@ struct Plan {
   static constexpr std::uint16_t kId = 7;
   static constexpr std::string_view kFormat =
       "swiftlet_plan:uint64_t timestamp;uint64_t start;uint32_t id;uint32_t segments;float duration;int32_t latency;"
-      "float[3] from;float[3] goal;float box_margin;uint32_t map_crc32;uint32_t status;uint8_t[4] _padding0;";
+      "float[3] from;float[3] goal;float box_margin;uint32_t map_crc32;uint32_t status;";
   std::uint64_t timestamp = 0;
   std::uint64_t start = 0;  ///< [us] from when on it is flown
   std::uint32_t id = 0;
@@ -134,7 +134,6 @@ struct Plan {
   float box_margin = 0;         ///< [m] of its certificate
   std::uint32_t map_crc32 = 0;  ///< of the map that it was made in
   std::uint32_t status = 0;     ///< of swiftlet::Status: 0 optimal, else a fallback
-  std::array<std::uint8_t, 4> padding{};
 };
 
 /// One segment of the plan before it, with the box that it lies in. Frame W.
@@ -142,14 +141,13 @@ struct PlanSegment {
   static constexpr std::uint16_t kId = 8;
   static constexpr std::string_view kFormat =
       "swiftlet_plan_segment:uint64_t timestamp;uint32_t plan;uint32_t index;float duration;float[3] low;float[3] high;"
-      "uint8_t[4] _padding0;";
+      "";
   std::uint64_t timestamp = 0;
   std::uint32_t plan = 0;
   std::uint32_t index = 0;
   float duration = 0;          ///< [s]
   std::array<float, 3> low{};  ///< [m]
   std::array<float, 3> high{};
-  std::array<std::uint8_t, 4> padding{};
 };
 
 /// A piece of the stream of everything that entered the companion: flight_log.hpp.
@@ -167,8 +165,9 @@ constexpr std::string_view name_of(std::string_view format) { return format.subs
 
 template <typename Topic>
 constexpr bool is_as_its_format_says() {
-  return std::is_trivially_copyable_v<Topic> && sizeof(Topic) == ulog_format_size(Topic::kFormat) &&
-         Topic::kId < kCount;
+  constexpr std::size_t kBytes = ulog_format_size(Topic::kFormat);
+  return std::is_trivially_copyable_v<Topic> && kBytes > 0 && kBytes <= sizeof(Topic) &&
+         sizeof(Topic) - kBytes < alignof(Topic) && Topic::kId < kCount;
 }
 static_assert(is_as_its_format_says<VehicleLocalPosition>());
 static_assert(is_as_its_format_says<VehicleAttitude>());
