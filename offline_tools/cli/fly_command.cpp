@@ -16,10 +16,7 @@
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "cli/vehicle_file.hpp"
-#if __has_include("report/flight_report.hpp")
 #include "report/flight_report.hpp"
-#define SWIFTLET_FLIGHT_PAGE
-#endif
 
 namespace swiftlet::tools {
 namespace {
@@ -221,15 +218,10 @@ void print_summary(const FlightReport& report, const FlightRequest& request, con
 void write_page(const FlyOptions& options, const MapFile& map, Obstacles& obstacles, FlightReport& report,
                 const Json& document) {
   if (options.report.empty()) return;
-#ifdef SWIFTLET_FLIGHT_PAGE
   const BlobHeader& header = map.graph.header();
   report.record.obstacles = {header.origin, map.graph.unit(), header.resolution, obstacles.boxes()};
   const std::string title = std::filesystem::path(map.path).stem().string() + ": " + report.status;
   write_output(options.report, flight_report_html({document, report.record, title}));
-#else
-  (void)map, (void)obstacles, (void)report, (void)document;
-  throw Failure{ExitStatus::kUsage, "--report: this build has no page for flights"};
-#endif
 }
 
 ExitStatus run_fly(FlyOptions& options) {
