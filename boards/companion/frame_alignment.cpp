@@ -3,6 +3,11 @@
 #include <cmath>
 
 namespace swiftlet::companion {
+namespace {
+
+constexpr Real kJump = Real(0.15);  // [m] from one estimate of a standing vehicle to the next
+
+}  // namespace
 
 void FrameAlignment::stand_at(const Vector3& position, Real yaw) {
   place_ = position;
@@ -16,10 +21,18 @@ void FrameAlignment::forget() {
   cos_sum_ = sin_sum_ = 0;
 }
 
-void FrameAlignment::add_sample() {
+void FrameAlignment::begin(TimeUs now) {
+  forget();
+  begun_ = true;
+  begun_at_ = now;
+}
+
+void FrameAlignment::add_sample(TimeUs now) {
   const mavlink::VehicleState& local = link_.local_vehicle();
   if (!local.has_position || !local.has_attitude || local.position_count == last_sample_) return;
   last_sample_ = local.position_count;
+  if (samples_ > 0 && (local.position - last_position_).norm() > kJump) begin(now);
+  last_position_ = local.position;
   const Real yaw = mavlink::yaw_of(local.attitude);
   position_sum_ += local.position;
   cos_sum_ += std::cos(yaw);
@@ -31,12 +44,10 @@ bool FrameAlignment::step(TimeUs now) {
   if (aligned_) return true;
   if (tied_) return aligned_ = link_.local_vehicle().position_count != last_sample_;
   if (!begun_) {
-    forget();
-    begun_ = true;
-    begun_at_ = now;
+    begin(now);
     last_sample_ = link_.local_vehicle().position_count;  // from before arming
   }
-  add_sample();
+  add_sample(now);
   if (now - begun_at_ < standing_ || samples_ == 0) return false;
   const Vector3 mean = position_sum_ / static_cast<Real>(samples_);
   link_.align(mavlink::Alignment(mean, std::atan2(sin_sum_, cos_sum_), place_, place_yaw_));

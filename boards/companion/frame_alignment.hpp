@@ -9,6 +9,7 @@ namespace swiftlet::companion {
 
 /// Ties the autopilot's local frame to the map's at arming: the vehicle stands at a known pose, and what the autopilot
 /// believes it to be is averaged over a while, since the estimate wanders by centimetres and its origin drifts before.
+/// An estimate that jumps meanwhile begins the averaging anew.
 class FrameAlignment {
  public:
   /// `standing` [us]: how long the vehicle stands after arming.
@@ -28,7 +29,8 @@ class FrameAlignment {
   [[nodiscard]] bool aligned() const { return aligned_; }
 
  private:
-  void add_sample();
+  void begin(TimeUs now);
+  void add_sample(TimeUs now);
 
   mavlink::Link& link_;
   TimeUs standing_;
@@ -41,6 +43,7 @@ class FrameAlignment {
   TimeUs begun_at_ = 0;
   std::uint32_t last_sample_ = 0;
   std::uint32_t samples_ = 0;
+  Vector3 last_position_ = Vector3::Zero();
   Vector3 position_sum_ = Vector3::Zero();
   Real cos_sum_ = 0;
   Real sin_sum_ = 0;

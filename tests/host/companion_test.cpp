@@ -254,6 +254,18 @@ TEST(Companion, FramesAreTiedAtArmingThoughTheOriginDriftsBefore) {
   EXPECT_LT((rig.companion.telemetry().estimate.position - truth).norm(), 0.1);
 }
 
+TEST(Companion, AJumpOfTheEstimateWhileFramesAreTiedBeginsThatAnew) {
+  PixhawkSimSettings sim = usual_sim();
+  sim.faults = {*tools::parse_fault("position-jump@5")};
+  Rig rig(usual_settings(), sim);
+  EXPECT_TRUE(rig.companion.engage(true));
+  ASSERT_TRUE(rig.run_until(4.9, [](const Telemetry& t) { return t.armed; })) << rig.notes();
+  ASSERT_FALSE(rig.companion.telemetry().aligned);
+  ASSERT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.phase == Phase::kMission; })) << rig.notes();
+  const Vector3 truth = rig.sim.simulation().truth().position;
+  EXPECT_LT((rig.companion.telemetry().estimate.position - truth).norm(), 0.1);
+}
+
 TEST(Companion, ASecondFlightStartsWhereTheFirstOneEnded) {
   Settings settings = usual_settings();
   settings.land_at_end = true;

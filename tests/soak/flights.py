@@ -6,7 +6,7 @@
 
 A flight fails when
   - the program does not end with status 0 or 1, or leaves no report;
-  - it ends neither arrived and landed, nor holding, nor yielded, or not arrived without a reason;
+  - it ends neither arrived and landed, nor holding, nor yielded, nor idle without a take-off, or not arrived without a reason;
   - the vehicle's centre came closer to an occupied voxel than its radius, while the companion was in control (not
     after an autopilot's restart, which stops the motors: that vehicle falls, whoever controls it);
   - the reference exceeded a limit that its plans were certified for;
@@ -112,7 +112,8 @@ def defects(report):
     late = any(fault["t"] > report["arrivals"][-1] for fault in report["faults"]) if arrived else False
     if arrived and not report["landed"] and not late:  # a fault while it lands leaves that to the pilot or autopilot
         found.append("arrived, but has not landed")
-    if not arrived and report["state"] not in ("holding", "yielded"):
+    grounded = report["state"] == "idle" and all(event["what"] != "phase: take-off" for event in report["events"])
+    if not arrived and report["state"] not in ("holding", "yielded") and not grounded:
         found.append(f"ends {report['state']}: {report['status']}")
     if not arrived and not report.get("reason"):
         found.append("ends without a reason")
