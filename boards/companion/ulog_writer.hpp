@@ -13,7 +13,7 @@
 namespace swiftlet::companion {
 
 /// Bytes that a ULog format string promises: "name:type field;type[n] field;"; 0 when a type is not one of ULog's.
-constexpr std::size_t ulog_format_size(std::string_view format);
+consteval std::size_t ulog_format_size(std::string_view format);
 
 /// Writes the ULog format, version 1, which PX4's tools read (https://docs.px4.io/main/en/dev_log/ulog_file_format).
 /// Append only, no heap, never blocks longer than the storage does. In order: begin; the definitions (format, info,
@@ -120,7 +120,7 @@ constexpr std::size_t ulog_type_size(std::string_view type) {
 
 }  // namespace internal
 
-constexpr std::size_t ulog_format_size(std::string_view format) {
+consteval std::size_t ulog_format_size(std::string_view format) {
   std::size_t total = 0;
   std::string_view rest = format.substr(format.find(':') + 1);
   while (!rest.empty()) {
