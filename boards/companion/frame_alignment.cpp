@@ -27,11 +27,13 @@ void FrameAlignment::begin(TimeUs now) {
   begun_at_ = now;
 }
 
+bool FrameAlignment::has_jumped() const { return (link_.local_vehicle().position - last_position_).norm() > kJump; }
+
 void FrameAlignment::add_sample(TimeUs now) {
   const mavlink::VehicleState& local = link_.local_vehicle();
   if (!local.has_position || !local.has_attitude || local.position_count == last_sample_) return;
   last_sample_ = local.position_count;
-  if (samples_ > 0 && (local.position - last_position_).norm() > kJump) begin(now);
+  if (samples_ > 0 && has_jumped()) begin(now);
   last_position_ = local.position;
   const Real yaw = mavlink::yaw_of(local.attitude);
   position_sum_ += local.position;
@@ -42,10 +44,11 @@ void FrameAlignment::add_sample(TimeUs now) {
 
 bool FrameAlignment::step(TimeUs now) {
   if (aligned_) return true;
-  if (tied_) return aligned_ = link_.local_vehicle().position_count != last_sample_;
-  if (!begun_) {
+  if (tied_ && link_.local_vehicle().position_count == last_sample_) return false;
+  if (tied_ && !has_jumped()) return aligned_ = true;
+  if (!begun_ || tied_) {
     begin(now);
-    last_sample_ = link_.local_vehicle().position_count;  // from before arming
+    last_sample_ = link_.local_vehicle().position_count;  // of before
   }
   add_sample(now);
   if (now - begun_at_ < standing_ || samples_ == 0) return false;

@@ -30,6 +30,7 @@ class FrameAlignment {
 
  private:
   void begin(TimeUs now);
+  [[nodiscard]] bool has_jumped() const;
   void add_sample(TimeUs now);
 
   mavlink::Link& link_;
