@@ -48,7 +48,9 @@ SupervisorSettings Companion::supervisor_settings(const Settings& settings) {
 Companion::Companion(const Settings& settings, const BoxGraphView& map, const Memory& memory, const Devices& devices)
     : settings_(settings),
       parameters_(make_parameters(settings)),
-      link_(devices.autopilot, link_config(settings, parameters_)),
+      log_(devices.log),
+      uart_(devices.autopilot, devices.log),
+      link_(uart_, link_config(settings, parameters_)),
       journal_(link_),
       supervisor_(supervisor_settings(settings)),
       store_(memory.trajectories),
@@ -72,6 +74,7 @@ void Companion::check_map(const BoxGraphView& map) {
 // ---- The operator
 
 bool Companion::tell(const Word& word) {
+  if (log_ != nullptr) log_->note_word(word);
   const bool finite = word.a.allFinite() && word.b.allFinite() && (!word.yaw || std::isfinite(*word.yaw));
   if (word.kind == Word::Kind::kLimits) {
     FlightLimits limits = settings_.limits;
@@ -100,6 +103,7 @@ bool Companion::set_limits(Real v_max, Real a_max) {
 }
 
 bool Companion::replace_map(const BoxGraphView& map) {
+  if (log_ != nullptr) log_->note_map(map.header().crc32);
   const MarginReport report = margins_of(settings_, static_cast<Real>(map.header().radius));
   if (report.verdict != MarginVerdict::kCovered) {
     journal_.warn("the new map is refused: its radius does not cover the margins");
@@ -162,6 +166,7 @@ void Companion::change_limits(Real v_max, Real a_max) {
 // ---- A step
 
 void Companion::step(std::chrono::microseconds now) {
+  if (log_ != nullptr) log_->begin_step(us(now));
   receive(now);
   obey();
   mission_.observe(now_);
@@ -171,6 +176,7 @@ void Companion::step(std::chrono::microseconds now) {
   steer(decision);
   plan(decision);
   report(decision);
+  log_step();
 }
 
 void Companion::receive(Microseconds now) {
@@ -280,6 +286,7 @@ Decision Companion::decide() {
   inputs.plan_map_id = on_plan ? replanner_.committed().map_crc : inputs.map_id;
   inputs.path_blocked = replanner_.path_blocked(store_, now_);
   inputs.margins_covered = margins_covered_;
+  inputs.storage_full = log_ != nullptr && log_->full();
   mission_.fill(inputs);
   return supervisor_.step(inputs);
 }
@@ -336,6 +343,7 @@ void Companion::end_plan() {
   const bool wanted = goal != nullptr && goal->id == replanner_.goal_under_way();
   const std::optional<PlanEnd> end = replanner_.poll(wanted, store_, now_);
   if (!end) return;
+  if (log_ != nullptr) log_->note_plan_done();
   mission_.plan_ended(*end);
   if (end->committed) wants_plan_ = false;
 }
@@ -345,8 +353,24 @@ void Companion::end_plan() {
 void Companion::note_events() {
   for (; noted_events_ != supervisor_.event_count(); ++noted_events_) {
     const FlightEvent& event = supervisor_.event(noted_events_);
+    log_notes();
     journal_.info(Line(describe(event.to)) << ": " << describe(event.reason));
+    if (log_ == nullptr) continue;
+    log_->write(event);
+    ++logged_notes_;  // the event says more
   }
+}
+
+void Companion::log_notes() {
+  if (log_ == nullptr) return;
+  const std::uint32_t count = journal_.count();
+  if (count - logged_notes_ > kNotes) logged_notes_ = count - kNotes;
+  for (; logged_notes_ != count; ++logged_notes_) log_->write(journal_.note(logged_notes_));
+}
+
+void Companion::log_step() {
+  log_notes();
+  if (log_ != nullptr) log_->end_step(telemetry_);
 }
 
 void Companion::report(const Decision& decision) {

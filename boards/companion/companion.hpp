@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "companion/flight_log.hpp"
 #include "companion/journal.hpp"
 #include "companion/mission.hpp"
 #include "companion/plan_worker.hpp"
@@ -23,13 +24,11 @@
 /// it.
 namespace swiftlet::companion {
 
-class FlightLog;
-
 /// What a companion works with; all of it outlives the companion.
 struct Devices {
   hal::Uart& autopilot;
   PlanWorker& planner;
-  FlightLog* log = nullptr;  ///< may be absent
+  FlightLog* log = nullptr;  ///< may be absent; begun before the companion is made
 };
 
 /// Flies from goal to goal. A deterministic function of what enters: the time of each step, what the devices answered,
@@ -99,6 +98,8 @@ class Companion {
 
   void read_estimate();
   void note_events();
+  void log_notes();
+  void log_step();
   void check_map(const BoxGraphView& map);
   void change_limits(Real v_max, Real a_max);
   void block_box(const Word& word);
@@ -107,6 +108,8 @@ class Companion {
 
   Settings settings_;
   std::array<mavlink::Parameter, kParameterCount> parameters_;
+  FlightLog* log_;
+  RecordedUart uart_;
   mavlink::Link link_;
   Journal journal_;
   Supervisor supervisor_;
@@ -130,6 +133,7 @@ class Companion {
   std::optional<mavlink::Goal> last_link_goal_;
   std::uint32_t parameter_changes_ = 0;
   std::uint32_t noted_events_ = 0;
+  std::uint32_t logged_notes_ = 0;
   Telemetry telemetry_;
 };
 

@@ -64,6 +64,7 @@ bool FlightLog::begin(std::string_view name, TimeUs now, const LogHeader& header
   writer_.info("ver_hw", header.board);
   writer_.info("swiftlet_map_crc32", header.map_crc32);
   writer_.info("swiftlet_real_bytes", static_cast<std::uint32_t>(sizeof(Real)));
+  writer_.info("swiftlet_signed", header.is_signed ? 1U : 0U);
   writer_.info("swiftlet_settings", header.settings);
   subscribe<VehicleLocalPosition, VehicleAttitude, VehicleAngularVelocity, TrajectorySetpoint, VehicleAttitudeSetpoint,
             VehicleRatesSetpoint, Status, topic::Plan, PlanSegment, Input>(writer_);
@@ -80,8 +81,6 @@ void FlightLog::end() {
 void FlightLog::begin_step(TimeUs now) {
   now_ = now;
   empty_reads_ = 0;
-  writes_ = 0;
-  sent_crc_ = 0;
   put(InputKind::kStep);
   put(now);
 }
@@ -157,11 +156,11 @@ void FlightLog::end_step(const Telemetry& telemetry) {
   write_setpoint(telemetry);
   if (telemetry.plan.id != plan_) write_plan(telemetry);
   if (status_is_due(telemetry)) write_status(telemetry);
-  if (writes_ > 0) {
-    put(InputKind::kSent);
-    put(writes_);
-    put(sent_crc_);
-  }
+  put(InputKind::kSent);
+  put(writes_);
+  put(sent_crc_);
+  writes_ = 0;
+  sent_crc_ = 0;
   writer_.flush();
 }
 

@@ -18,18 +18,20 @@ struct LogHeader {
   std::string_view board;     ///< for people
   std::string_view settings;  ///< all of the companion's settings as a swiftlet-config/1 text
   std::uint32_t map_crc32 = 0;
+  bool is_signed = false;  ///< whether messages are signed; the key is not kept
 };
 
-/// Records in the stream of inputs; fields follow the kind, little-endian, real numbers as doubles.
+/// Records in the stream of inputs; fields follow the kind, little-endian, real numbers as doubles. Words, maps and
+/// writes that come between two steps lie between their records.
 enum class InputKind : std::uint8_t {
   kEnd = 0,       ///< the rest of this piece is empty
   kStep = 1,      ///< i64 now [us]; what follows belongs to this step
   kRead = 2,      ///< u16 n, n bytes: what one Uart::read gave; reads that gave nothing at a step's end are left out
-  kWrite = 3,     ///< u16 k, u16 n: of this step's k-th write the device took but n bytes
-  kPlanDone = 4,  ///< PlanWorker::done was true in this step
+  kWrite = 3,     ///< u16 k, u16 n: of the k-th write since the last kSent the device took but n bytes
+  kPlanDone = 4,  ///< PlanWorker::done was true; at most twice in a step
   kWord = 5,      ///< u8 kind, u32 id, 3 f64 a, 3 f64 b, u8 has_yaw, f64 yaw: a word of the operator
   kMap = 6,       ///< u32 CRC-32: another map was given
-  kSent = 7,      ///< ends a step that wrote: u16 writes, u32 CRC-32 of all bytes that were offered to the device
+  kSent = 7,      ///< ends a step: u16 writes, u32 CRC-32 of all bytes offered to the device since the last one
 };
 
 /// The log of a flight: what PX4's tools plot, what people read, and every input, so that the flight can be replayed
@@ -39,7 +41,7 @@ class FlightLog {
  public:
   explicit FlightLog(hal::Storage& storage) : writer_(storage) {}
 
-  /// Begins the log `name`, which must not exist yet, before the companion's first step. `name` outlives the log.
+  /// Begins the log `name`, which must not exist yet, before the companion is made. `name` outlives the log.
   /// False, and full(), when the storage refuses.
   bool begin(std::string_view name, TimeUs now, const LogHeader& header);
 
@@ -87,7 +89,7 @@ class FlightLog {
 
   TimeUs now_ = 0;
   std::uint32_t empty_reads_ = 0;  // not recorded yet
-  std::uint16_t writes_ = 0;       // of this step
+  std::uint16_t writes_ = 0;       // since the last step's end
   std::uint32_t sent_crc_ = 0;
 
   TimeUs estimate_time_ = -1;  // of the last that was written

@@ -15,6 +15,7 @@ void add_plan_command(CLI::App& app, Command& chosen);
 void add_solve_command(CLI::App& app, Command& chosen);
 void add_verify_command(CLI::App& app, Command& chosen);
 void add_fly_command(CLI::App& app, Command& chosen);
+void add_replay_command(CLI::App& app, Command& chosen);
 void add_world_command(CLI::App& app, Command& chosen);
 
 /// A subcommand that answers --help and --version like the program itself.

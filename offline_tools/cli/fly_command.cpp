@@ -16,7 +16,9 @@
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "cli/vehicle_file.hpp"
+#include "flight/memory_storage.hpp"
 #include "report/flight_report.hpp"
+#include "swiftlet/version.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -224,9 +226,38 @@ void write_page(const FlyOptions& options, const MapFile& map, Obstacles& obstac
   write_output(options.report, flight_report_html({document, report.record, title}));
 }
 
+/// The flight's log in memory, where one is asked for, or a fault fills it.
+class Recorder {
+ public:
+  Recorder(const FlyOptions& options, const MapFile& map, const std::vector<Box>& boxes) {
+    const auto fills = [](const FlightFault& fault) {
+      const auto* own = std::get_if<CompanionFault>(&fault);
+      return own != nullptr && own->kind == CompanionFaultKind::kStorageFull;
+    };
+    const FlightRequest& flight = options.flight;
+    wanted_ = !options.log.empty() || std::any_of(flight.faults.begin(), flight.faults.end(), fills);
+    if (!wanted_) return;
+    const std::string settings = config_text(settings_of(flight, map.graph, boxes));
+    (void)log_.begin("flight.ulg", 0, {kVersion, "simulated flight", settings, map.graph.header().crc32});
+  }
+
+  companion::FlightLog* log() { return wanted_ ? &log_ : nullptr; }
+  FillableStorage* storage() { return &storage_; }
+  /// Its bytes, when the flight is over.
+  std::string_view end() {
+    log_.end();
+    return {reinterpret_cast<const char*>(memory_.bytes().data()), memory_.bytes().size()};
+  }
+
+ private:
+  MemoryStorage memory_;
+  FillableStorage storage_{memory_};
+  companion::FlightLog log_{storage_};
+  bool wanted_ = false;
+};
+
 ExitStatus run_fly(FlyOptions& options) {
   check_outputs({options.json, options.report, options.log}, {options.map, options.vehicle, options.config});
-  if (!options.log.empty()) throw Failure{ExitStatus::kUsage, "--log: this build writes no flight logs"};
   const MapFile map = load_map(options.map);
   Obstacles obstacles(map);
   apply_options(options, map);
@@ -236,8 +267,10 @@ ExitStatus run_fly(FlyOptions& options) {
   FlightPlanner planner(planner_storage.spans(),
                         flight.in_process ? FlightPlanner::Kind::kInline : FlightPlanner::Kind::kThread);
   const std::vector<Box> boxes = unwrap(occupied_boxes(map.graph));
-  const FlightWorld world{map.graph, boxes, companion_storage.memory(), planner};
+  Recorder recorder(options, map, boxes);
+  const FlightWorld world{map.graph, boxes, companion_storage.memory(), planner, recorder.log(), recorder.storage()};
   FlightReport report = unwrap(fly(flight, world));
+  write_output(options.log, recorder.end());
   const FlownPlan* plan = first_plan(planner.plans());
   const Json document = flight_document(map, flight, report, planner.plans(),
                                         plan != nullptr ? plan_document(map, *plan) : Json(nullptr));

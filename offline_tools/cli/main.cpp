@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
   add_solve_command(app, chosen);
   add_verify_command(app, chosen);
   add_fly_command(app, chosen);
+  add_replay_command(app, chosen);
   add_world_command(app, chosen);
   try {
     app.parse(argc, argv);

@@ -1,10 +1,11 @@
 #include "cli/commands.hpp"
 
 namespace swiftlet::tools {
+namespace {
 
 /// A build without the MAVLink link has nothing to fly with.
-void add_fly_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = add_subcommand(app, "fly", "Not in this build");
+void add_absent(CLI::App& app, Command& chosen, const std::string& name) {
+  CLI::App* command = add_subcommand(app, name, "Not in this build");
   command->allow_extras();
   command->callback([&chosen] {
     chosen = []() -> ExitStatus {
@@ -13,5 +14,11 @@ void add_fly_command(CLI::App& app, Command& chosen) {
     };
   });
 }
+
+}  // namespace
+
+void add_fly_command(CLI::App& app, Command& chosen) { add_absent(app, chosen, "fly"); }
+
+void add_replay_command(CLI::App& app, Command& chosen) { add_absent(app, chosen, "replay"); }
 
 }  // namespace swiftlet::tools

@@ -27,8 +27,6 @@ class Decoder {
       }
       if (ended_) break;
     }
-    finish_step();
-    if (!ended_ && !steps_.empty()) steps_.pop_back();  // whether all of it is there cannot be known
     return std::move(steps_);
   }
 
@@ -63,23 +61,27 @@ class Decoder {
     return {x, y, static_cast<Real>(get<double>())};
   }
 
-  /// False for an unknown kind, or one that belongs into a step when there is none.
+  /// False for an unknown kind, or one that belongs into a step, or not into one.
   bool take(InputKind kind) {
     switch (kind) {
       case InputKind::kEnd:
         ended_ = true;
         return true;
       case InputKind::kStep:
-        finish_step();
+        if (in_step_) return false;
         in_step_ = true;
         step_.now = get<TimeUs>();
         return true;
+      case InputKind::kWrite: {
+        const auto number = get<std::uint16_t>();
+        step_.short_writes[number] = get<std::uint16_t>();
+        return true;
+      }
       case InputKind::kWord:
-        next_.before.emplace_back(get_word());
-        return true;
+        return !in_step_ && take_word();
       case InputKind::kMap:
-        next_.before.emplace_back(MapChange{get<std::uint32_t>()});
-        return true;
+        step_.before.emplace_back(MapChange{get<std::uint32_t>()});
+        return !in_step_;
       default:
         return in_step_ && take_in_step(kind);
     }
@@ -90,24 +92,20 @@ class Decoder {
       case InputKind::kRead:
         step_.reads.push_back(get_bytes(get<std::uint16_t>()));
         return true;
-      case InputKind::kWrite: {
-        const auto number = get<std::uint16_t>();
-        step_.short_writes[number] = get<std::uint16_t>();
-        return true;
-      }
       case InputKind::kPlanDone:
-        step_.plan_done = true;
+        ++step_.plans_done;
         return true;
       case InputKind::kSent:
         step_.writes = get<std::uint16_t>();
         step_.sent_crc = get<std::uint32_t>();
+        finish_step();
         return true;
       default:
         return false;
     }
   }
 
-  Word get_word() {
+  bool take_word() {
     Word word;
     word.kind = static_cast<Word::Kind>(get<std::uint8_t>());
     word.id = get<std::uint32_t>();
@@ -116,13 +114,13 @@ class Decoder {
     const bool has_yaw = get<std::uint8_t>() != 0;
     const auto yaw = static_cast<Real>(get<double>());
     if (has_yaw) word.yaw = yaw;
-    return word;
+    step_.before.emplace_back(word);
+    return word.kind <= Word::Kind::kLimits;
   }
 
   void finish_step() {
-    if (in_step_) steps_.push_back(std::move(step_));
-    step_ = std::move(next_);
-    next_ = {};
+    if (!short_) steps_.push_back(std::move(step_));
+    step_ = {};
     in_step_ = false;
   }
 
@@ -133,7 +131,6 @@ class Decoder {
   bool ended_ = false;
   bool in_step_ = false;
   FlightStep step_;
-  FlightStep next_;  // collects what comes before it
   std::vector<FlightStep> steps_;
 };
 

@@ -22,14 +22,14 @@ struct FlightStep {
   TimeUs now = 0;
   std::vector<std::variant<companion::Word, MapChange>> before;  ///< in order
   std::vector<std::vector<std::byte>> reads;                     ///< what each Uart::read gave
-  std::map<std::uint32_t, std::size_t> short_writes;  ///< number of a write in this step: bytes that the device took
-  bool plan_done = false;
-  std::uint32_t writes = 0;
+  std::map<std::uint32_t, std::size_t> short_writes;             ///< number of a write: bytes that the device took
+  std::uint32_t plans_done = 0;
+  std::uint32_t writes = 0;    ///< since the step before
   std::uint32_t sent_crc = 0;  ///< CRC-32 of all bytes that were offered to the device
 };
 
-/// The inputs of a flight, from the topic swiftlet_input; the last step only when it is complete, that is when another
-/// one follows or the log ends as it should. Error: exit status 3 and a line, for a log without them or a damaged one.
+/// The inputs of a flight, from the topic swiftlet_input; the last step only when it is complete. Error: exit status 3
+/// and a line, for a log without them or a damaged one.
 Expected<std::vector<FlightStep>> flight_inputs(const Ulog& log);
 
 }  // namespace swiftlet::tools

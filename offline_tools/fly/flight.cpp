@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <numbers>
 #include <thread>
 
+#include "flight/renamed_map.hpp"
 #include "fly/flight_observer.hpp"
 #include "sim/lockstep_uart.hpp"
 #include "swiftlet/hal/fake_clock.hpp"
@@ -22,26 +24,6 @@ constexpr Microseconds kPeriod{10'000};  // of the companion's steps
 constexpr std::uint32_t kBaud = 921'600;
 
 double seconds(Microseconds time) { return std::chrono::duration<double>(time).count(); }
-
-/// The same map under another CRC, as another file would have it.
-class OtherMap {
- public:
-  explicit OtherMap(const BoxGraphView& map) : words_((map.bytes().size() + 7) / 8) {
-    const std::span<std::byte> bytes = std::as_writable_bytes(std::span(words_)).first(map.bytes().size());
-    std::copy(map.bytes().begin(), map.bytes().end(), bytes.begin());
-    BlobHeader header = map.header();
-    ++header.source_digest[0];
-    std::memcpy(bytes.data(), &header, sizeof(header));
-    header.crc32 = blob_crc32(bytes);
-    std::memcpy(bytes.data(), &header, sizeof(header));
-    view_ = *BoxGraphView::open(bytes);
-  }
-  [[nodiscard]] const BoxGraphView& view() const { return view_; }
-
- private:
-  std::vector<std::uint64_t> words_;
-  BoxGraphView view_;
-};
 
 /// Where the autopilot's local frame lies in the map is nothing that the companion may know: anywhere, turned anyhow.
 void hide_frame(SimulationSettings& simulation) {
@@ -64,8 +46,8 @@ PixhawkSimSettings complete(const FlightRequest& request, const Floor& floor, co
   return sim;
 }
 
-companion::Settings complete(const companion::Settings& configured, const FlightRequest& request, const Floor& floor) {
-  companion::Settings settings = configured;
+companion::Settings complete(const FlightRequest& request, const Floor& floor) {
+  companion::Settings settings = request.companion;
   settings.start = floor.pad();
   settings.start_yaw = request.yaw;
   settings.takeoff.height = request.start.z() - floor.pad().z();
@@ -82,8 +64,7 @@ class Captain {
       : request_(request),
         world_(world),
         watch_(uart, clock),
-        companion_(complete(request.companion, request, floor), world.map, world.memory,
-                   {watch_, world.planner, world.log}),
+        companion_(complete(request, floor), world.map, world.memory, {watch_, world.planner, world.log}),
         observer_(request, world.planner) {
     for (const FlightFault& fault : request.faults) {
       if (const CompanionFault* near = std::get_if<CompanionFault>(&fault)) waiting_.push_back(*near);
@@ -123,7 +104,7 @@ class Captain {
         clock_offset_ += kClockStep;
         return;
       case CompanionFaultKind::kMapReplaced:
-        other_map_ = std::make_unique<OtherMap>(world_.map);
+        other_map_ = std::make_unique<RenamedMap>(world_.map);
         (void)companion_.replace_map(other_map_->view());
         return;
       case CompanionFaultKind::kStorageFull:
@@ -138,7 +119,7 @@ class Captain {
   companion::Companion companion_;
   FlightObserver observer_;
   std::vector<CompanionFault> waiting_;
-  std::unique_ptr<OtherMap> other_map_;
+  std::unique_ptr<RenamedMap> other_map_;
   std::size_t goals_given_ = 0;
   double asleep_until_ = 0;
   Microseconds clock_offset_{0};
@@ -254,6 +235,11 @@ Expected<FlightReport> fly_in_real_time(const FlightRequest& request, const Flig
 }
 
 }  // namespace
+
+companion::Settings settings_of(const FlightRequest& request, const BoxGraphView& map,
+                                const std::vector<Box>& obstacles) {
+  return complete(request, Floor(map, obstacles, request.start));
+}
 
 Expected<FlightReport> fly(const FlightRequest& request, const FlightWorld& world) {
   Floor floor(world.map, world.obstacles, request.start);

@@ -87,9 +87,13 @@ struct FlightWorld {
   const std::vector<Box>& obstacles;  ///< the source map's occupied voxels [m], frame W
   companion::Memory memory;
   FlightPlanner& planner;
-  companion::FlightLog* log = nullptr;
-  FillableStorage* storage = nullptr;  ///< of the log; what the fault `storage-full` fills
+  companion::FlightLog* log = nullptr;  ///< begun
+  FillableStorage* storage = nullptr;   ///< of the log; what the fault `storage-full` fills
 };
+
+/// The companion's settings in that flight, for its log.
+companion::Settings settings_of(const FlightRequest& request, const BoxGraphView& map,
+                                const std::vector<Box>& obstacles);
 
 /// Flies. In lock-step the same request gives the same report, but for the times that planning took.
 /// Error: exit status 3, no pseudo-terminal could be had.

@@ -4,31 +4,19 @@
 #include <vector>
 
 #include "flight/flight_inputs.hpp"
+#include "flight/memory_storage.hpp"
 #include "flight/ulog_reader.hpp"
 #include "sample_flight_log.hpp"
-#include "swiftlet/hal/storage.hpp"
 
 namespace swiftlet::tools {
 namespace {
 
-/// Memory as a storage with one file.
-class VectorStorage final : public hal::Storage {
- public:
-  std::optional<std::size_t> read(std::string_view, std::size_t, std::span<std::byte>) override { return std::nullopt; }
-  bool append(std::string_view, std::span<const std::byte> bytes) override {
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-    return true;
-  }
-  bool remove(std::string_view) override { return true; }
-  std::vector<std::byte> bytes_;
-};
-
 const std::vector<std::byte>& sample() {
   static const std::vector<std::byte> bytes = [] {
-    VectorStorage storage;
+    MemoryStorage storage;
     companion::FlightLog log(storage);
     companion::write_sample(log, "sample.ulg");
-    return storage.bytes_;
+    return storage.bytes();
   }();
   return bytes;
 }
@@ -92,7 +80,7 @@ TEST(FlightInputs, AreWhatEntered) {
     if (i % 10 == 3) {
       EXPECT_TRUE(step.reads.front().empty());
     }
-    EXPECT_EQ(step.plan_done, i == 20);
+    EXPECT_EQ(step.plans_done, i == 20 ? 1U : 0U);
     EXPECT_EQ(step.writes, 1U);
     EXPECT_EQ(step.short_writes.size(), i == 5 ? 1U : 0U);
   }

@@ -19,6 +19,7 @@ inline void write_sample(FlightLog& log, std::string_view name) {
   for (int i = 0; i < kSampleSteps; ++i) {
     const TimeUs now = kSampleStart + 10'000 * TimeUs{i};
     const auto x = static_cast<Real>(i);
+    if (i == 31) log.note_map(43);
     log.begin_step(now);
     const std::array<std::byte, 300> received{static_cast<std::byte>(i)};
     if (i % 10 == 3) log.note_read({});
@@ -26,7 +27,6 @@ inline void write_sample(FlightLog& log, std::string_view name) {
     log.note_read({});
     log.note_write(received, i == 5 ? 100 : received.size());
     if (i == 20) log.note_plan_done();
-    if (i == 30) log.note_map(43);
     Telemetry telemetry;
     telemetry.time = now;
     telemetry.state = i < 50 ? FlightState::kFlying : FlightState::kBraking;

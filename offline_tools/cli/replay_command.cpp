@@ -1,0 +1,72 @@
+// `swiftlet replay`: flies a log again and compares what is sent, planned and told, bit for bit.
+#include <memory>
+#include <vector>
+
+#include "board_config.hpp"
+#include "cli/arguments.hpp"
+#include "cli/commands.hpp"
+#include "cli/config_file.hpp"
+#include "cli/map_file.hpp"
+#include "cli/output.hpp"
+#include "flight/replay.hpp"
+#include "swiftlet/version.hpp"
+
+namespace swiftlet::tools {
+namespace {
+
+struct ReplayOptions {
+  std::string log;
+  std::vector<std::string> maps;
+};
+
+// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): far too large for a stack
+PlannerStorage<kBoard> planner_storage;
+companion::CompanionStorage<kBoard> companion_storage;
+// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
+
+std::string seconds(TimeUs time) { return to_text(static_cast<double>(time) / 1e6, 2) + " s"; }
+
+/// Another version may well decide otherwise.
+std::string version_remark(const Ulog& log) {
+  const auto version = log.texts.find("ver_sw");
+  if (version == log.texts.end() || version->second == kVersion) return {};
+  return " (written by version " + version->second + ", this is " + kVersion + ")";
+}
+
+ExitStatus run_replay(const ReplayOptions& options) {
+  const Ulog log = unwrap(read_ulog(options.log));
+  std::vector<MapFile> files;
+  std::vector<BoxGraphView> maps;
+  for (const std::string& path : options.maps) files.push_back(load_map(path));
+  for (const MapFile& file : files) maps.push_back(file.graph);
+  const auto settings = log.texts.find("swiftlet_settings");
+  if (settings == log.texts.end()) {
+    throw Failure{ExitStatus::kBadFile, options.log + ": holds no settings: it was not written by a companion"};
+  }
+  const ReplayWorld world{maps, parse_config(options.log + ", its settings", settings->second),
+                          companion_storage.memory(), planner_storage.spans()};
+  const ReplayReport report = unwrap(replay(log, world));
+  const std::string compared = std::to_string(report.steps) + " steps, " + std::to_string(report.plans) + " plans, " +
+                               std::to_string(report.messages) + " messages";
+  if (report.difference) {
+    throw Failure{ExitStatus::kNoAnswer, options.log + ": differs at " + seconds(report.difference->time) + ", " +
+                                             report.difference->what + version_remark(log)};
+  }
+  print_line(options.log + " replays equal: " + compared + (log.truncated ? "; it ends within a message" : ""));
+  return ExitStatus::kDone;
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = add_subcommand(app, "replay", "Fly a log again and compare, bit for bit");
+  const auto options = std::make_shared<ReplayOptions>();
+  command->add_option("log", options->log, "Flight log (.ulg) of 'companion --log' or 'swiftlet fly --log'")
+      ->required();
+  command->add_option("--map", options->maps, "Map that it was flown in; further ones that it was given under way")
+      ->required()
+      ->allow_extra_args(false);
+  command->callback([options, &chosen] { chosen = [options] { return run_replay(*options); }; });
+}
+
+}  // namespace swiftlet::tools
