@@ -1,5 +1,6 @@
 // The program `companion`: flies a vehicle over a MAVLink link, from goal to goal through a map.
 #include <poll.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <list>
 #include <memory>
 
@@ -17,8 +19,11 @@
 #include "cli/failure.hpp"
 #include "linux/console.hpp"
 #include "linux/flight_loop.hpp"
+#include "linux/thread_storage.hpp"
 #include "linux/thread_worker.hpp"
 #include "map/file_io.hpp"
+#include "swiftlet/hal/file_storage.hpp"
+#include "swiftlet/hal/monotonic_clock.hpp"
 #include "swiftlet/hal/posix_uart.hpp"
 #include "swiftlet/version.hpp"
 
@@ -37,6 +42,7 @@ struct Options {
   std::string map;
   std::string port;
   std::string config;
+  std::string log;
   std::string key;
   bool autopilot_signs = false;
 };
@@ -150,6 +156,61 @@ void open_port(Port& port, const PortName& name) {
   throw Failure{ExitStatus::kBadFile,
                 "UDP port " + std::to_string(name.local_port) + " cannot be opened: " + std::strerror(errno)};
 }
+
+// ---- The log
+
+/// The number after the largest of all logs in the folder: none is ever written over.
+std::string next_log_name(const std::string& folder) {
+  constexpr std::string_view kPrefix = "flight_";
+  std::error_code error;
+  std::uint32_t last = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename();
+    if (!name.starts_with(kPrefix) || !name.ends_with(".ulg")) continue;
+    const std::string digits = name.substr(kPrefix.size(), name.size() - kPrefix.size() - 4);
+    const std::optional<double> number = tools::parse_number(digits);
+    if (number && *number >= 1 && *number < 1e9) last = std::max(last, static_cast<std::uint32_t>(*number));
+  }
+  if (error) throw Failure{ExitStatus::kBadFile, folder + ": no log can be kept there: " + error.message()};
+  std::string digits = std::to_string(last + 1);
+  if (digits.size() < 4) digits.insert(0, 4 - digits.size(), '0');
+  return std::string(kPrefix) + digits + ".ulg";
+}
+
+std::string board_name() {
+  utsname names{};
+  (void)::uname(&names);
+  return std::string(names.sysname) + " " + names.machine;
+}
+
+/// The log of one start of the program, written by a thread of its own.
+class KeptLog {
+ public:
+  KeptLog(const std::string& folder, const companion::Settings& settings, const BoxGraphView& map)
+      : files_(folder), storage_(files_), name_(next_log_name(folder)), log_(storage_) {
+    const std::string text = tools::config_text(settings);
+    const std::string board = board_name();
+    const TimeUs now = hal::MonotonicClock().now().count();
+    (void)log_.begin(name_, now, {kVersion, board, text, map.header().crc32, settings.signing.has_value()});
+    if (storage_.drain()) return;
+    throw Failure{ExitStatus::kBadFile, folder + "/" + name_ + ": cannot be written: " + std::strerror(errno)};
+  }
+  /// After the last step.
+  ~KeptLog() {
+    log_.end();
+    if (!storage_.drain()) std::fprintf(stderr, "companion: %s: there was no room for all of it\n", name_.c_str());
+  }
+  KeptLog(const KeptLog&) = delete;
+  KeptLog& operator=(const KeptLog&) = delete;
+
+  companion::FlightLog& log() { return log_; }
+
+ private:
+  hal::FileStorage files_;
+  ThreadStorage storage_;
+  std::string name_;
+  companion::FlightLog log_;
+};
 
 // ---- The console
 
@@ -283,9 +344,11 @@ void run(const Options& options) {
   check_margins_of(map, options.map, settings);
   Port port;
   open_port(port, port_name);
+  std::unique_ptr<KeptLog> log;
+  if (!options.log.empty()) log = std::make_unique<KeptLog>(options.log, settings, map.graph);
   ThreadWorker worker(planner_memory.spans(), kPlanPatience);
-  const auto flight = std::make_unique<companion::Companion>(settings, map.graph, memory.memory(),
-                                                             companion::Devices{*port.uart, worker, nullptr});
+  const companion::Devices devices{*port.uart, worker, log ? &log->log() : nullptr};
+  const auto flight = std::make_unique<companion::Companion>(settings, map.graph, memory.memory(), devices);
   FlightLoop loop(*flight);
   Console console(loop, worker);
   while (interrupted == 0 && console.look()) {
@@ -298,6 +361,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--map", options.map, "Map to fly in, of 'swiftlet map build'")->required();
   app.add_option("--port", options.port, "DEVICE[:BAUD] (921600), or udp:PORT[:HOST:PORT]")->required();
   app.add_option("--config", options.config, "swiftlet-config/1 file");
+  app.add_option("--log", options.log, "Folder to keep a log of each start in, flight_0001.ulg and so on");
   CLI::Option* key = app.add_option("--key", options.key, "File with the key for signing, 64 hexadecimal digits");
   app.add_flag("--autopilot-signs", options.autopilot_signs, "Believe only signed messages of the autopilot")
       ->needs(key);

@@ -6,16 +6,24 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "board_config.hpp"
 #include "cli/config_file.hpp"
 #include "cli/failure.hpp"
+#include "flight/memory_storage.hpp"
+#include "flight/replay.hpp"
+#include "linux/thread_storage.hpp"
+#include "map/file_io.hpp"
 #include "map/map_builder.hpp"
 #include "map/voxel_map.hpp"
 #include "sim/pixhawk_sim.hpp"
@@ -158,13 +166,36 @@ double jitter(const std::vector<double>& gaps, double share) {
   return off.empty() ? 0 : off[static_cast<std::size_t>(share * static_cast<double>(off.size() - 1))];
 }
 
+/// What the program logged and what a companion does that is given the same.
+void expect_replays_equal(const std::string& log_path, const std::string& map) {
+  static PlannerStorage<kBoard> planner;
+  static companion::CompanionStorage<kBoard> memory;
+  const auto log = read_ulog(log_path);
+  ASSERT_TRUE(log) << log.error().message;
+  EXPECT_FALSE(log->truncated);
+  const std::vector<std::byte> blob = *read_file(map);
+  const std::array maps{*BoxGraphView::open(blob)};
+  const auto report = replay(
+      *log, {maps, parse_config("the log's", log->texts.at("swiftlet_settings")), memory.memory(), planner.spans()});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->difference) << report->difference->time << ": " << report->difference->what;
+  EXPECT_GT(report->steps, 1000U);
+  EXPECT_GE(report->plans, 1U);
+  std::printf("log: %zu bytes, %zu steps, %zu plans, %zu messages\n", log->bytes.size(), report->steps, report->plans,
+              report->messages);
+}
+
 TEST(CompanionProgram, FliesOverAPseudoTerminalInRealTime) {
   PixhawkSimSettings settings;
   settings.simulation.start = {0.48, 0.48, 0};
   FarEnd far_end(settings);
   ASSERT_TRUE(far_end.line.open());
-  Program program({"--map", map_path(0.3), "--port", far_end.line.peer_path() + ":921600", "--config",
-                   write_file("config.json", kConfig)});
+  const std::string map = map_path(0.3);
+  const std::string logs = testing::TempDir() + "companion_" + std::to_string(::getpid()) + "_logs";
+  std::filesystem::create_directory(logs);
+  for (const char* other : {"/flight_0041.ulg", "/flight_.ulg", "/notes.txt"}) std::ofstream(logs + other) << "kept";
+  Program program({"--map", map, "--port", far_end.line.peer_path() + ":921600", "--config",
+                   write_file("config.json", kConfig), "--log", logs});
   program.say("engage\ngoal 2 2.6 1\n");
   const auto& autopilot = far_end.sim.simulation().autopilot();
   const auto& truth = far_end.sim.simulation().truth();
@@ -185,6 +216,9 @@ TEST(CompanionProgram, FliesOverAPseudoTerminalInRealTime) {
   std::printf("line: %.0f B/s to the companion, %.0f B/s from it\n%s",
               static_cast<double>(far_end.sent_bytes) / seconds, static_cast<double>(far_end.received_bytes) / seconds,
               program.text.c_str());
+  expect_replays_equal(logs + "/flight_0042.ulg", map);
+  EXPECT_EQ(std::filesystem::file_size(logs + "/flight_0041.ulg"), 4U);
+  std::filesystem::remove_all(logs);
 }
 
 TEST(CompanionProgram, RefusesAMapThatDoesNotCoverTheMarginsAndSaysSo) {
@@ -211,6 +245,12 @@ TEST(CompanionProgram, RefusesBadInputWithOneLineAndTheContractsStatus) {
       {{"--map", map, "--port", "/dev/null", "--config", config}, 3, "'yaw.mod' is not a known key"},
       {{"--map", map, "--port", "/nowhere", "--config", write_file("config.json", kConfig)}, 3, "/nowhere: cannot be"},
       {{"--map", map, "--port", "/dev/null", "--key", config}, 3, "64 hexadecimal digits"},
+      {{"--map", map, "--port", "udp:34567", "--config", write_file("config.json", kConfig), "--log", "/no/folder"},
+       3,
+       "/no/folder: no log can be kept there"},
+      {{"--map", map, "--port", "udp:34567", "--config", write_file("config.json", kConfig), "--log", "/proc"},
+       3,
+       "/proc/flight_0001.ulg: cannot be written"},
   };
   for (const auto& each : cases) {
     Program program(each.arguments);
@@ -218,6 +258,64 @@ TEST(CompanionProgram, RefusesBadInputWithOneLineAndTheContractsStatus) {
     EXPECT_NE(program.text.find(each.words), std::string::npos) << program.text;
     EXPECT_EQ(std::count(program.text.begin(), program.text.end(), '\n'), 1) << program.text;
   }
+}
+
+// ---- The log's thread
+
+/// Refuses at will, and waits while it is told to.
+class SlowStorage final : public hal::Storage {
+ public:
+  std::optional<std::size_t> read(std::string_view name, std::size_t offset, std::span<std::byte> into) override {
+    return memory.read(name, offset, into);
+  }
+  bool append(std::string_view name, std::span<const std::byte> bytes) override {
+    while (waits) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return !refuses && memory.append(name, bytes);
+  }
+  bool remove(std::string_view /*name*/) override { return false; }
+  MemoryStorage memory;
+  std::atomic<bool> waits{false};
+  std::atomic<bool> refuses{false};
+};
+
+TEST(ThreadStorage, StoresInOrderWhateverIsAppendedAndNeverWaits) {
+  SlowStorage disk;
+  const auto storage = std::make_unique<board::ThreadStorage>(disk);
+  std::vector<std::byte> all;
+  disk.waits = true;
+  const auto append = [&](std::size_t size) {
+    std::vector<std::byte> bytes(size);
+    for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::byte>((all.size() + i) * 7 / 5);
+    all.insert(all.end(), bytes.begin(), bytes.end());
+    return storage->append("a.ulg", bytes);
+  };
+  for (int round = 0; round < 3; ++round) {
+    disk.waits = true;
+    for (std::size_t n = 1; n < board::ThreadStorage::kRing / 1000; ++n) ASSERT_TRUE(append(n));
+    disk.waits = false;
+    ASSERT_TRUE(storage->drain());
+  }
+  EXPECT_EQ(disk.memory.bytes(), all);
+}
+
+TEST(ThreadStorage, IsFullWhenTheDiskIsTooSlowOrRefuses) {
+  const std::vector<std::byte> half(board::ThreadStorage::kRing / 2 + 1);
+  SlowStorage slow;
+  {
+    slow.waits = true;
+    const auto storage = std::make_unique<board::ThreadStorage>(slow);
+    EXPECT_TRUE(storage->append("a.ulg", half));
+    EXPECT_FALSE(storage->append("a.ulg", half));
+    slow.waits = false;
+    EXPECT_FALSE(storage->append("a.ulg", std::span(half).first(1)));  // there is a gap now
+  }
+  EXPECT_EQ(slow.memory.bytes().size(), half.size());
+  SlowStorage broken;
+  broken.refuses = true;
+  const auto storage = std::make_unique<board::ThreadStorage>(broken);
+  EXPECT_TRUE(storage->append("a.ulg", std::span(half).first(1)));
+  EXPECT_FALSE(storage->drain());
+  EXPECT_FALSE(storage->append("a.ulg", std::span(half).first(1)));
 }
 
 // ---- swiftlet-config/1

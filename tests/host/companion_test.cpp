@@ -1,4 +1,4 @@
-// The companion in closed loop with the simulated autopilot, in lock-step.
+// The companion in closed loop with the simulated autopilot, in lock-step. Every flight is logged and replayed.
 #include "companion/companion.hpp"
 
 #include <gtest/gtest.h>
@@ -9,6 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "flight/memory_storage.hpp"
+#include "flight/replay.hpp"
+#include "fly/fillable_storage.hpp"
 #include "map/map_builder.hpp"
 #include "map/voxel_map.hpp"
 #include "sim/lockstep_uart.hpp"
@@ -77,8 +80,9 @@ class TappedUart final : public hal::Uart {
  public:
   explicit TappedUart(PixhawkSim& sim) : line_(sim) {}
   std::size_t write(std::span<const std::byte> bytes) override {
-    written.insert(written.end(), bytes.begin(), bytes.end());
-    return line_.write(bytes);
+    const auto taken = bytes.first(std::min(bytes.size(), room));
+    written.insert(written.end(), taken.begin(), taken.end());
+    return line_.write(taken);
   }
   std::size_t read(std::span<std::byte> into) override {
     if (injected.empty()) return line_.read(into);
@@ -92,6 +96,7 @@ class TappedUart final : public hal::Uart {
 
   std::vector<std::byte> written;
   std::vector<std::byte> injected;
+  std::size_t room = 1000;  // of each write
 
  private:
   LockstepUart line_;
@@ -102,25 +107,55 @@ class Rig {
  public:
   explicit Rig(const Settings& settings = usual_settings(), const PixhawkSimSettings& sim_settings = usual_sim(),
                const BoxGraphView& map = classroom(), std::uint32_t plan_steps = 1)
-      : sim(sim_settings),
+      : settings_(settings),
+        maps({map}),
+        sim(sim_settings),
         uart(sim),
         worker(planner_memory_->spans(), plan_steps),
-        companion(settings, map, memory_->memory(), {uart, worker}) {}
+        log(begun_log(storage, map)),
+        companion(settings, map, memory_->memory(), {uart, worker, log.get()}) {}
+  ~Rig() {
+    log->end();
+    check_replay();
+  }
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
 
  private:
+  static std::unique_ptr<FlightLog> begun_log(hal::Storage& storage, const BoxGraphView& map) {
+    auto log = std::make_unique<FlightLog>(storage);
+    EXPECT_TRUE(log->begin("flight.ulg", 0, {"1", "test", "{}", map.header().crc32}));
+    return log;
+  }
+  void check_replay() {
+    const auto parsed = tools::parse_ulog("flight.ulg", storage.bytes());
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    const auto report = tools::replay(*parsed, {maps, settings_, memory_->memory(), planner_memory_->spans()});
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_FALSE(report->difference) << report->difference->time << ": " << report->difference->what;
+    EXPECT_EQ(report->steps, steps_);
+    EXPECT_EQ(report->plans, companion.telemetry().plan.id);
+  }
+
+  Settings settings_;
+  std::size_t steps_ = 0;
   std::unique_ptr<PlannerStorage<kCapacity>> planner_memory_ = std::make_unique<PlannerStorage<kCapacity>>();
   std::unique_ptr<CompanionStorage<kCapacity>> memory_ = std::make_unique<CompanionStorage<kCapacity>>();
 
  public:
+  std::vector<BoxGraphView> maps;  // that the companion was given
   PixhawkSim sim;
   TappedUart uart;
   InlineWorker worker;
+  tools::MemoryStorage storage;
+  std::unique_ptr<FlightLog> log;
   Companion companion;
   double worst_error = 0;  // [m] reference to truth, in the mission
 
   void step() {
     uart.advance(milliseconds(10));
     companion.step(sim.time());
+    ++steps_;
     const Telemetry& t = companion.telemetry();
     if (t.phase != Phase::kMission) return;
     worst_error = std::max(worst_error, (t.reference.sample.position - sim.simulation().truth().position).norm());
@@ -518,6 +553,7 @@ TEST(Companion, AMapReplacedUnderWayStopsTheFlightAndItGoesOnInTheNewOne) {
   const BoxGraphView other = *BoxGraphView::open(blob);
   static const std::vector<std::byte> tight_blob = classroom_blob(0.2);
   Rig rig;
+  rig.maps.insert(rig.maps.end(), {other, *BoxGraphView::open(tight_blob)});
   ASSERT_TRUE(rig.take_off());
   EXPECT_TRUE(rig.companion.add_goal(kFar));
   ASSERT_TRUE(rig.run_until(5, is_flying));
@@ -528,6 +564,61 @@ TEST(Companion, AMapReplacedUnderWayStopsTheFlightAndItGoesOnInTheNewOne) {
   EXPECT_EQ(rig.companion.telemetry().reason, Reason::kMapReplaced);
   EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
   EXPECT_EQ(rig.companion.telemetry().plan.map_crc, other.header().crc32);
+}
+
+TEST(Companion, ALineThatTakesLittleAndRefusedWordsAreReplayedToo) {
+  Rig rig(usual_settings(), usual_sim(), classroom(), 3);
+  for (int i = 0; i < 100; ++i) {
+    rig.uart.room = static_cast<std::size_t>(i % 7) * 9;
+    rig.step();
+  }
+  rig.uart.room = 1000;
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_FALSE(rig.companion.add_goal({1, std::nan(""), 1}));
+  for (std::size_t i = 0; i < Companion::kMostWords; ++i) EXPECT_TRUE(rig.companion.add_goal(kFar, Real(0.1)));
+  EXPECT_FALSE(rig.companion.add_goal(kFar));
+  rig.run(2);
+  rig.uart.room = 20;  // neither the text of a map's refusal nor a set-point fits
+  static const std::vector<std::byte> blob = classroom_blob(0.2);
+  rig.maps.push_back(*BoxGraphView::open(blob));
+  EXPECT_FALSE(rig.companion.replace_map(rig.maps.back()));
+  rig.run(0.05);
+  rig.uart.room = 1000;
+  rig.run(2);
+}
+
+TEST(Companion, AFullLogIsNotedTheFlightGoesOnAndNoOtherOneStarts) {
+  Settings settings = usual_settings();
+  settings.land_at_end = true;
+  Rig rig(settings);
+  tools::MemoryStorage storage;
+  tools::FillableStorage fillable(storage);
+  FlightLog log(fillable);
+  ASSERT_TRUE(log.begin("full.ulg", 0, {"1", "test", "{}", classroom().header().crc32}));
+  InlineWorker worker(rig.planner_spans());
+  static CompanionStorage<kCapacity> memory;
+  Companion companion(settings, classroom(), memory.memory(), {rig.uart, worker, &log});
+  const auto run_until = [&](double seconds, const auto& condition) {
+    for (int i = 0; i < std::lround(seconds * 100) && !condition(companion.telemetry()); ++i) {
+      rig.uart.advance(milliseconds(10));
+      companion.step(rig.sim.time());
+    }
+    return condition(companion.telemetry());
+  };
+  EXPECT_TRUE(companion.engage(true));
+  ASSERT_TRUE(run_until(30, [](const Telemetry& t) { return t.phase == Phase::kMission; }));
+  fillable.fill();
+  EXPECT_TRUE(companion.add_goal(kFar));
+  EXPECT_TRUE(run_until(60, is_done));
+  EXPECT_EQ(companion.telemetry().goals_reached, 1U);
+  bool noted = false;
+  for (std::uint32_t n = 0; n < companion.event_count(); ++n) {
+    noted = noted || companion.event(n).reason == Reason::kStorageFull;
+  }
+  EXPECT_TRUE(noted);
+  EXPECT_TRUE(companion.engage(true));
+  EXPECT_FALSE(run_until(10, [](const Telemetry& t) { return t.armed; }));
+  EXPECT_EQ(companion.telemetry().reason, Reason::kStorageFull);
 }
 
 // ---- The link's other side

@@ -24,6 +24,11 @@ class FlyTest : public FolderTest {
     words.insert(words.end(), extra.begin(), extra.end());
     return words;
   }
+  [[nodiscard]] Outcome replay(const Words& extra = {}) const {
+    Words words{"replay", path("flight.ulg"), "--map", path("room.swm")};
+    words.insert(words.end(), extra.begin(), extra.end());
+    return swiftlet(words);
+  }
   Json fly(const Words& extra, int status = 0) {
     Words words = flight(extra);
     words.insert(words.end(), {"--json", path("flight.json")});
@@ -110,10 +115,12 @@ TEST_F(FlyTest, EveryFaultEndsArrivedHoldingOrYieldedWithItsReason) {
       {"sleep@14", true, 0.55, "held up", {"arrived"}},
       {"clock-step@14", true, 0.02, "clock jumped", {"arrived"}},
       {"map-replaced@14", true, 0.02, "map was replaced", {"arrived"}},
+      {"storage-full@14", true, 0.02, "no room left to log", {"arrived"}},
   };
   for (const FaultCase& test : cases) {
-    Words words = flight({"--fault", test.fault, "--json", path("flight.json")});
+    Words words = flight({"--fault", test.fault, "--json", path("flight.json"), "--log", path("flight.ulg")});
     const Outcome run = swiftlet(words);
+    EXPECT_EQ(replay().status, 0) << test.fault;
     const Json report = Json::parse(read_text(path("flight.json")));
     const bool arrived = report["status"] == "arrived";
     const std::string end = arrived ? "arrived" : report["state"].get<std::string>();
@@ -147,6 +154,51 @@ TEST_F(FlyTest, FliesOverAPseudoTerminalInRealTime) {
   EXPECT_GT(report["setpoints"]["count"], 800);  // jitter is reported; a loaded machine is no place to bound it
   EXPECT_LT(report["link"]["load_in"], 0.3);
   EXPECT_LT(report["link"]["load_out"], 0.3);
+}
+
+// -------------------------------------------------------------------------------------------------------- the log
+
+TEST_F(FlyTest, ALogReplaysEqual) {
+  (void)fly({"--log", path("flight.ulg"), "--wind", "1,1,0", "--gust", "2", "--link-delay", "0.02", "--fault",
+             "loss@12", "--fault", "sleep@16", "--setpoint", "rates"});
+  EXPECT_TRUE(refused(replay(), 0, {"replays equal", "steps", "plans", "messages"}));
+  std::string log = read_text(path("flight.ulg"));
+  log.resize(log.size() / 2);
+  write_text(path("flight.ulg"), log);
+  EXPECT_TRUE(refused(replay(), 0, {"replays equal"}));  // as far as it reaches
+}
+
+TEST_F(FlyTest, AnotherByteOrSettingIsADifferenceAndAnotherMapIsRefused) {
+  (void)fly({"--log", path("flight.ulg")});
+  const std::string log = read_text(path("flight.ulg"));
+  const auto with = [&](std::size_t at, std::string_view bytes) {
+    std::string changed = log;
+    changed.replace(at, bytes.size(), bytes);
+    write_text(path("flight.ulg"), changed);
+    return replay();
+  };
+  // A byte of an ATTITUDE_QUATERNION that was received in flight: its frame's checksum is then wrong.
+  const std::size_t frame = log.find(std::string("\1\1\x1f\0\0", 5), log.size() / 2);  // sender and number
+  ASSERT_NE(frame, std::string::npos);
+  EXPECT_TRUE(refused(with(frame + 6, std::string(1, static_cast<char>(~log[frame + 6]))), 1,
+                      {"flight.ulg", "differs at ", " s, "}));
+  const std::size_t speed = log.find("\"vmax_m_s\": 1.0");
+  ASSERT_NE(speed, std::string::npos);
+  EXPECT_TRUE(refused(with(speed, "\"vmax_m_s\": 0.9"), 1, {"differs at "}));
+  EXPECT_TRUE(refused(with(log.find("\"system_id\""), "\"system_ia\""), 3, {"settings", "system_ia"}));
+  EXPECT_TRUE(refused(with(0, "uLog"), 3, {"flight.ulg", "no flight log"}));
+  EXPECT_TRUE(refused(with(log.size() / 2, std::string(50, '\xff')), 3, {"flight.ulg", "damaged"}));
+  write_text(path("flight.ulg"), log);
+  ASSERT_EQ(swiftlet({"map", "build", path("room.bt"), "-o", path("room.swm"), "--radius", "0.29"}).status, 0);
+  EXPECT_TRUE(refused(replay(), 3, {"flight.ulg", "map with the CRC-32"}));
+  EXPECT_TRUE(refused(swiftlet({"replay", path("flight.ulg")}), 2, {"--map"}));
+  EXPECT_TRUE(refused(swiftlet({"replay", path("none.ulg"), "--map", path("room.swm")}), 3, {"none.ulg"}));
+}
+
+TEST_F(FlyTest, WithoutRoomToLogNoFlightStarts) {
+  const Json report = fly({"--fault", "storage-full@1"}, 1);
+  EXPECT_EQ(report["status"], "storage_full");
+  EXPECT_EQ(report["state"], "idle");
 }
 
 TEST_F(FlyTest, TakesTheCompanionsSettingsFromAFile) {
