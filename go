@@ -149,15 +149,15 @@ bench() {
   if ((found == 0)); then echo "There are no benchmarks yet."; fi
 }
 
-# fuzz [SECONDS]: the readers of maps, octrees, clouds and MAVLink side by side, with libFuzzer and sanitizers.
+# fuzz [SECONDS]: the readers of maps, octrees, clouds, MAVLink and flight logs, with libFuzzer and sanitizers.
 fuzz() {
   local seconds=${1:-60} reader pid pids=()
   if [[ ! -f build/fuzz/build.ninja ]]; then
     cmake -B build/fuzz -G Ninja -DCMAKE_CXX_COMPILER=clang++-14 -DCMAKE_C_COMPILER=clang-14 -DCMAKE_BUILD_TYPE=Release \
       -DCMAKE_CXX_FLAGS="-g1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all"
   fi
-  cmake --build build/fuzz -j "$jobs" --target map_blob_fuzz mavlink_fuzz octree_fuzz point_cloud_fuzz
-  for reader in map_blob:map mavlink:mavlink octree:octree point_cloud:cloud; do
+  cmake --build build/fuzz -j "$jobs" --target map_blob_fuzz mavlink_fuzz octree_fuzz point_cloud_fuzz ulog_fuzz
+  for reader in map_blob:map mavlink:mavlink octree:octree point_cloud:cloud ulog:ulog; do
     mkdir -p "out/corpus/${reader#*:}"
     "build/fuzz/tests/fuzz/${reader%:*}_fuzz" -max_total_time="$seconds" -print_final_stats=1 -verbosity=0 \
       -artifact_prefix=out/ "out/corpus/${reader#*:}" "tests/data/fuzz_${reader#*:}" &
