@@ -174,6 +174,13 @@ soak_flights() {
     --table out/flights/table.md
 }
 
+# soak companion [SECONDS]: the companion with sanitizers, in wind and over a bad line, its memory watched.
+soak_companion() {
+  install "${host_packages[@]}"
+  build_target host-debug companion_soak
+  show nice build/host-debug/tests/companion_soak "${1:-60}"
+}
+
 # soak [properties]: the property tests with 50 times the cases of host-release.
 soak_properties() {
   cmake --preset host-release -B build/soak -DSWIFTLET_PROPERTY_RUNS=100000 -DSWIFTLET_TEST_SECONDS=86400
@@ -191,7 +198,8 @@ usage() {
 ./go run ARGS        the release build of the program swiftlet
 ./go bench [ARGS]    the benchmarks
 ./go fuzz [SECONDS]  the readers under a fuzzer
-./go soak [NAME]     at length: the property tests, or 'flights [N]', a thousand simulated ones
+./go soak [NAME]     at length: 'properties' with 50 times the cases, 'flights [N]', a thousand simulated ones, or
+                     'companion [SECONDS]', a flight without end under sanitizers
 TEXT
 }
 
@@ -213,8 +221,9 @@ soak)
   case ${1:-properties} in
   properties) soak_properties ;;
   flights) soak_flights "${@:2}" ;;
+  companion) soak_companion "${@:2}" ;;
   *)
-    echo "go: there is no soak '$1': properties and flights exist" >&2
+    echo "go: there is no soak '$1': properties, flights and companion exist" >&2
     exit 2
     ;;
   esac
