@@ -1,4 +1,6 @@
 // `swiftlet replay`: flies a log again and compares what is sent, planned and told, bit for bit.
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -37,8 +39,8 @@ ExitStatus run_replay(const ReplayOptions& options) {
   const Ulog log = unwrap(read_ulog(options.log));
   std::vector<MapFile> files;
   std::vector<BoxGraphView> maps;
-  for (const std::string& path : options.maps) files.push_back(load_map(path));
-  for (const MapFile& file : files) maps.push_back(file.graph);
+  std::transform(options.maps.begin(), options.maps.end(), std::back_inserter(files), load_map);
+  std::transform(files.begin(), files.end(), std::back_inserter(maps), [](const MapFile& file) { return file.graph; });
   const auto settings = log.texts.find("swiftlet_settings");
   if (settings == log.texts.end()) {
     throw Failure{ExitStatus::kBadFile, options.log + ": holds no settings: it was not written by a companion"};
