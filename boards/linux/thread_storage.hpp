@@ -14,7 +14,7 @@ namespace swiftlet::board {
 /// full or the storage has refused. One thread appends.
 class ThreadStorage final : public hal::Storage {
  public:
-  static constexpr std::size_t kRing = std::size_t{1} << 20U;  // of a log, some 45 s
+  static constexpr std::size_t kRing = std::size_t{1} << 20U;  // of a log, some 40 s
 
   /// `storage` outlives this object and is used by nobody else.
   explicit ThreadStorage(hal::Storage& storage);
