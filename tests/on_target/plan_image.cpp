@@ -1,5 +1,4 @@
 // Answers requests on the board and prints the answers bit by bit, for compare_plan.py.
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -9,6 +8,7 @@
 
 #include "board.hpp"
 #include "board_config.hpp"
+#include "map_blob.hpp"
 #include "swiftlet/planner.hpp"
 
 namespace {
@@ -77,14 +77,6 @@ void answer(swiftlet::Planner& planner, const swiftlet::BoxGraphView& graph, con
   print("\n");
 }
 
-/// The region without what follows the blob; all of it when its header does not say.
-std::span<const std::byte> trim_to_blob(std::span<const std::byte> region) {
-  swiftlet::BlobHeader header{};
-  if (region.size() < sizeof header) return region;
-  std::memcpy(&header, region.data(), sizeof header);
-  return region.first(std::min<std::size_t>(region.size(), header.blob_bytes));
-}
-
 /// Start, goal, v_max, a_max, as compare_plan.py writes them behind the blob.
 using Row = std::array<double, 8>;
 
@@ -108,7 +100,7 @@ swiftlet::PlanRequest read_request(std::span<const std::byte> bytes) {
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const std::span<const std::byte> region = swiftlet::board::map_region(argv[1]);
-  const std::span<const std::byte> blob = trim_to_blob(region);
+  const std::span<const std::byte> blob = swiftlet::board::trim_to_blob(region);
   const swiftlet::Result<swiftlet::BoxGraphView> graph = swiftlet::BoxGraphView::open(blob);
   if (!graph.ok()) {
     print(swiftlet::describe(graph.status()));

@@ -1,0 +1,15 @@
+#pragma once
+#include "companion/companion.hpp"
+#include "swiftlet/hal/uart.hpp"
+
+/// The flight application in this board's memory.
+namespace swiftlet::board {
+
+/// A companion in the map of the map region; nullptr, with a line on the console, when there is none. Plans are made
+/// within a step, which takes as much longer, and taken over in the next one. To be called once.
+companion::Companion* begin_flight(const companion::Settings& settings, hal::Uart& autopilot);
+
+/// Writes the notes since the last call on the console.
+void print_notes(const companion::Companion& companion);
+
+}  // namespace swiftlet::board

@@ -1,0 +1,142 @@
+// The flight of the image `companion` in lock-step with companion_peer at the other end of the autopilot's line: the
+// same sources, but for where the time comes from.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "board.hpp"
+#include "classroom_flight.hpp"
+#include "companion/text.hpp"
+#include "devices.hpp"
+#include "flight.hpp"
+
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::nanoseconds;
+using swiftlet::Real;
+using swiftlet::companion::Line;
+using swiftlet::companion::Telemetry;
+
+/// The autopilot's line, on which time comes too. Between two steps nothing reaches the companion.
+class LockstepLine final : public swiftlet::hal::Uart {
+ public:
+  explicit LockstepLine(swiftlet::hal::Uart& line) : line_(line) {}
+
+  std::size_t write(std::span<const std::byte> bytes) override { return line_.write(bytes); }
+  std::size_t read(std::span<std::byte> into) override {
+    const std::size_t count = std::min(into.size(), filled_ - taken_);
+    std::copy_n(received_.begin() + static_cast<std::ptrdiff_t>(taken_), count, into.begin());
+    taken_ += count;
+    return count;
+  }
+  [[nodiscard]] std::uint32_t overruns() const override { return line_.overruns() + overflows_; }
+
+  /// The peer's time of the next step; nothing when the flight is over.
+  std::optional<microseconds> next_step() {
+    filled_ = taken_ = 0;
+    ask();
+    std::optional<microseconds> answer;
+    while (!answer) answer = look_for_answer(wait_for_bytes());
+    if (*answer < microseconds(0)) return std::nullopt;
+    return now_ = *answer;
+  }
+
+ private:
+  void ask() {
+    const std::int64_t now = std::chrono::duration_cast<nanoseconds>(now_).count();
+    std::span<const std::byte> frame = codec_.encode(swiftlet::mavlink::TimeSyncMessage{.tc1 = 0, .ts1 = now});
+    while (!frame.empty()) frame = frame.subspan(line_.write(frame));
+  }
+
+  /// Sleeps until the line brings something. An interrupt between look and sleep would be slept through, so it waits.
+  std::span<const std::byte> wait_for_bytes() {
+    const std::span<std::byte> room = std::span(received_).subspan(filled_);
+    if (room.empty()) {  // nobody would read it
+      ++overflows_;
+      filled_ = taken_ = 0;
+      return {};
+    }
+    std::size_t count = 0;
+    while (count == 0) {
+      asm volatile("cpsid i" ::: "memory");
+      count = line_.read(room);
+      if (count == 0) asm volatile("wfi" ::: "memory");
+      asm volatile("cpsie i" ::: "memory");
+    }
+    filled_ += count;
+    return room.first(count);
+  }
+
+  std::optional<microseconds> look_for_answer(std::span<const std::byte> bytes) {
+    while (const auto frame = codec_.receive(bytes)) {
+      if (frame->from != swiftlet::classroom::kPeer) continue;
+      const auto answer = swiftlet::mavlink::decode<swiftlet::mavlink::TimeSyncMessage>(*frame);
+      if (answer) return std::chrono::floor<microseconds>(nanoseconds(answer->tc1));
+    }
+    return std::nullopt;
+  }
+
+  swiftlet::hal::Uart& line_;
+  swiftlet::mavlink::Codec codec_{swiftlet::classroom::kImage};
+  microseconds now_{0};
+  std::array<std::byte, 8192> received_{};
+  std::size_t filled_ = 0;
+  std::size_t taken_ = 0;
+  std::uint32_t overflows_ = 0;
+};
+
+/// Of the estimate to the reference, while goals are flown to.
+struct TrackingMeter {
+  Real squares = 0;
+  Real most = 0;
+  std::uint32_t count = 0;
+
+  void add(const Telemetry& telemetry) {
+    if (telemetry.phase != swiftlet::companion::Phase::kMission) return;
+    squares += telemetry.tracking_error * telemetry.tracking_error;
+    most = std::max(most, telemetry.tracking_error);
+    ++count;
+  }
+  [[nodiscard]] Real rms() const { return count == 0 ? 0 : std::sqrt(squares / static_cast<Real>(count)); }
+};
+
+swiftlet::companion::Settings settings() {
+  swiftlet::companion::Settings settings;
+  settings.start = swiftlet::classroom::kStart;
+  settings.start_yaw = swiftlet::classroom::kStartYaw;
+  settings.margins.vehicle_radius = Real(0.1);
+  settings.margins.map_error = Real(0.03);
+  settings.takeoff.height = Real(0.8);
+  return settings;
+}
+
+void print(const Line& line) {
+  swiftlet::board::console().write(line.view());
+  swiftlet::board::console().write({"\n", 1});
+}
+
+}  // namespace
+
+/// 0 when the line lost nothing and every set-point was accepted by it.
+int main(int /*argc*/, char** /*argv*/) {
+  static LockstepLine line(swiftlet::board::autopilot_uart());
+  swiftlet::companion::Companion* const companion = swiftlet::board::begin_flight(settings(), line);
+  if (companion == nullptr) return 3;
+  TrackingMeter tracking;
+  while (const std::optional<microseconds> now = line.next_step()) {
+    companion->step(*now);
+    swiftlet::board::print_notes(*companion);
+    tracking.add(companion->telemetry());
+  }
+  const Telemetry& t = companion->telemetry();
+  print(Line("goals reached ") << t.goals_reached << ", plans " << t.plan.id << ", discarded " << t.plans_discarded);
+  print(Line("tracking ") << tracking.rms() * 100 << " cm RMS, " << tracking.most * 100 << " cm at most");
+  print(Line("overruns ") << line.overruns() << ", unsent " << t.link.unsent_frames << ", lost " << t.link.lost_frames
+                          << ", damaged " << t.codec.bad_checksum);
+  print(Line("stack ") << static_cast<std::uint32_t>(swiftlet::board::stack_bytes_used()) << " bytes");
+  return line.overruns() + t.link.unsent_frames + t.link.lost_frames + t.codec.bad_checksum == 0 ? 0 : 1;
+}
