@@ -2,7 +2,6 @@
 // to fly and to land come over the link (docs/flight.md).
 #include <chrono>
 
-#include "board_config.hpp"
 #include "devices.hpp"
 #include "flight.hpp"
 
@@ -13,20 +12,10 @@ using std::chrono::microseconds;
 constexpr microseconds kPeriod{10'000};
 constexpr microseconds kGiveUp{50'000};  // a step that late starts a new rhythm instead of being caught up with
 
-/// There is no file of settings here: what differs from the defaults is said in this function.
-swiftlet::companion::Settings settings() {
-  swiftlet::companion::Settings settings;
-  // A plan holds up the set-points: its trajectory gets half the worst-case latency, search and step the rest.
-  const double units = static_cast<double>(settings.planning.latency) / 2 * swiftlet::kWorkPerMicrosecond;
-  settings.planning.budget.deadline = static_cast<std::uint64_t>(units);
-  return settings;
-}
-
 }  // namespace
 
 int main(int /*argc*/, char** /*argv*/) {
-  swiftlet::companion::Companion* const companion =
-      swiftlet::board::begin_flight(settings(), swiftlet::board::autopilot_uart());
+  swiftlet::companion::Companion* const companion = swiftlet::board::begin_flight(swiftlet::board::autopilot_uart());
   if (companion == nullptr) return 3;
   swiftlet::hal::Clock& clock = swiftlet::board::clock();
   microseconds next = clock.now();

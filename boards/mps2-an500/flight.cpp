@@ -29,14 +29,28 @@ void print(const companion::Note& note) {
 
 }  // namespace
 
-companion::Companion* begin_flight(const companion::Settings& settings, hal::Uart& autopilot) {
+/// A small vehicle in the classroom (tests/on_target/companion_peer.cpp). A plan holds up the set-points, so its
+/// trajectory gets half the worst-case latency; search and step have the rest.
+companion::Settings flight_settings() {
+  companion::Settings settings;
+  settings.start = {Real(0.48), Real(0.48), 0};
+  settings.start_yaw = Real(0.4);
+  settings.margins.vehicle_radius = Real(0.1);
+  settings.margins.map_error = Real(0.03);
+  settings.takeoff.height = Real(0.8);
+  const double units = static_cast<double>(settings.planning.latency) / 2 * kWorkPerMicrosecond;
+  settings.planning.budget.deadline = static_cast<std::uint64_t>(units);
+  return settings;
+}
+
+companion::Companion* begin_flight(hal::Uart& autopilot) {
   const Result<BoxGraphView> map = BoxGraphView::open(trim_to_blob(map_region("")));
   if (!map.ok()) {
     print((companion::Line("no map at the map region: ") << describe(map.status())).view());
     return nullptr;
   }
   static companion::InlineWorker worker(planner_memory.spans());
-  static companion::Companion companion(settings, *map, companion_memory.memory(), {autopilot, worker});
+  static companion::Companion companion(flight_settings(), *map, companion_memory.memory(), {autopilot, worker});
   return &companion;
 }
 

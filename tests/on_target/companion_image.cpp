@@ -8,10 +8,10 @@
 #include <string_view>
 
 #include "board.hpp"
-#include "classroom_flight.hpp"
 #include "companion/text.hpp"
 #include "devices.hpp"
 #include "flight.hpp"
+#include "lockstep.hpp"
 
 namespace {
 
@@ -37,6 +37,7 @@ class LockstepLine final : public swiftlet::hal::Uart {
 
   /// The peer's time of the next step; nothing when the flight is over.
   std::optional<microseconds> next_step() {
+    if (taken_ != filled_) ++overflows_;  // the companion did not keep up
     filled_ = taken_ = 0;
     ask();
     std::optional<microseconds> answer;
@@ -73,7 +74,7 @@ class LockstepLine final : public swiftlet::hal::Uart {
 
   std::optional<microseconds> look_for_answer(std::span<const std::byte> bytes) {
     while (const auto frame = codec_.receive(bytes)) {
-      if (frame->from != swiftlet::classroom::kPeer) continue;
+      if (frame->from != swiftlet::lockstep::kPeer) continue;
       const auto answer = swiftlet::mavlink::decode<swiftlet::mavlink::TimeSyncMessage>(*frame);
       if (answer) return std::chrono::floor<microseconds>(nanoseconds(answer->tc1));
     }
@@ -81,7 +82,7 @@ class LockstepLine final : public swiftlet::hal::Uart {
   }
 
   swiftlet::hal::Uart& line_;
-  swiftlet::mavlink::Codec codec_{swiftlet::classroom::kImage};
+  swiftlet::mavlink::Codec codec_{swiftlet::lockstep::kImage};
   microseconds now_{0};
   std::array<std::byte, 8192> received_{};
   std::size_t filled_ = 0;
@@ -104,16 +105,6 @@ struct TrackingMeter {
   [[nodiscard]] Real rms() const { return count == 0 ? 0 : std::sqrt(squares / static_cast<Real>(count)); }
 };
 
-swiftlet::companion::Settings settings() {
-  swiftlet::companion::Settings settings;
-  settings.start = swiftlet::classroom::kStart;
-  settings.start_yaw = swiftlet::classroom::kStartYaw;
-  settings.margins.vehicle_radius = Real(0.1);
-  settings.margins.map_error = Real(0.03);
-  settings.takeoff.height = Real(0.8);
-  return settings;
-}
-
 void print(const Line& line) {
   swiftlet::board::console().write(line.view());
   swiftlet::board::console().write({"\n", 1});
@@ -124,7 +115,7 @@ void print(const Line& line) {
 /// 0 when the line lost nothing and every set-point was accepted by it.
 int main(int /*argc*/, char** /*argv*/) {
   static LockstepLine line(swiftlet::board::autopilot_uart());
-  swiftlet::companion::Companion* const companion = swiftlet::board::begin_flight(settings(), line);
+  swiftlet::companion::Companion* const companion = swiftlet::board::begin_flight(line);
   if (companion == nullptr) return 3;
   TrackingMeter tracking;
   while (const std::optional<microseconds> now = line.next_step()) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "classroom_flight.hpp"
+#include "lockstep.hpp"
 #include "map/voxel_map.hpp"
 #include "sim/pixhawk_sim.hpp"
 #include "swiftlet/mavlink/codec.hpp"
@@ -31,12 +31,12 @@ constexpr double kAtRest = 0.1;                                // [m/s]
 constexpr double kVehicleRadius = 0.1;                         // [m]
 constexpr std::uint16_t kCommandLand = 21;
 constexpr std::uint16_t kCommandMissionStart = 300;
-const std::array kGoals{Vector3{3.5, 2.5, 0.8}, Vector3{1.0, 2.6, 1.0}};  // [m] frame W
+const std::array kGoals{Vector3{3.5, 2.5, 0.8}, Vector3{1.0, 2.6, 1.0}, Vector3{0.6, 0.6, 0.8}};  // [m] frame W
 
 PixhawkSimSettings settings(const std::string& map) {
   PixhawkSimSettings settings;
-  settings.simulation.start = swiftlet::classroom::kStart;
-  settings.simulation.start_yaw = swiftlet::classroom::kStartYaw;
+  settings.simulation.start = {0.48, 0.48, 0};  // as the image's flight_settings() say
+  settings.simulation.start_yaw = 0.4;
   settings.simulation.estimator.origin = {10, 20, 1};
   settings.simulation.estimator.heading = 2;
   settings.simulation.obstacles = swiftlet::tools::occupied_boxes(*swiftlet::tools::read_octree(map));
@@ -72,9 +72,7 @@ class GroundStation {
     return said_;
   }
 
-  [[nodiscard]] bool over() const {
-    return next_ == kGoals.size() && flew_ && !sim_.simulation().autopilot().armed();
-  }
+  [[nodiscard]] bool over() const { return next_ == kGoals.size() && flew_ && !sim_.simulation().autopilot().armed(); }
 
  private:
   [[nodiscard]] double seconds() const { return std::chrono::duration<double>(sim_.time()).count(); }
@@ -86,9 +84,7 @@ class GroundStation {
     return sim_.time() - rests_since_ >= kRest;
   }
 
-  static mavlink::CommandLong command(std::uint16_t id) {
-    return {{1, mavlink::kPathPlannerComponent}, id, 0, {}};
-  }
+  static mavlink::CommandLong command(std::uint16_t id) { return {{1, mavlink::kPathPlannerComponent}, id, 0, {}}; }
   static mavlink::SetPositionTarget target(const Vector3& goal) {
     mavlink::SetPositionTarget target;
     target.target = {1, mavlink::kPathPlannerComponent};
@@ -141,7 +137,7 @@ class Peer {
       const std::size_t taken = before.size() - bytes.size();
       frame_.insert(frame_.end(), before.begin(), before.begin() + static_cast<std::ptrdiff_t>(taken));
       if (!frame) return;
-      if (frame->from == swiftlet::classroom::kImage) {
+      if (frame->from == swiftlet::lockstep::kImage) {
         step(*mavlink::decode<mavlink::TimeSyncMessage>(*frame));
       } else {
         station_.look_at(*frame);
@@ -158,7 +154,7 @@ class Peer {
     sent_to_companion_ += bytes.size();
     const Bytes said = station_.step();
     bytes.insert(bytes.end(), said.begin(), said.end());
-    const std::int64_t now = ended_ ? swiftlet::classroom::kTheEnd : std::chrono::nanoseconds(sim_.time()).count();
+    const std::int64_t now = ended_ ? swiftlet::lockstep::kTheEnd : std::chrono::nanoseconds(sim_.time()).count();
     const auto answer = codec_.encode(mavlink::TimeSyncMessage{.tc1 = now, .ts1 = question.ts1});
     bytes.insert(bytes.end(), answer.begin(), answer.end());
     send(bytes);
@@ -176,8 +172,9 @@ class Peer {
     const auto& simulation = sim_.simulation();
     const double seconds = std::chrono::duration<double>(sim_.time()).count();
     const auto rate = [&](std::size_t bytes) { return static_cast<double>(bytes) / seconds; };
-    std::printf("%s after %.2f s at %.2f %.2f %.2f m\n", station_.over() ? "landed and disarmed" : "NOT LANDED", seconds,
-                simulation.truth().position.x(), simulation.truth().position.y(), simulation.truth().position.z());
+    std::printf("%s after %.2f s at %.2f %.2f %.2f m\n", station_.over() ? "landed and disarmed" : "NOT LANDED",
+                seconds, simulation.truth().position.x(), simulation.truth().position.y(),
+                simulation.truth().position.z());
     std::printf("clearance %.3f m, touch-down %.2f m/s, %u bytes skipped\n", simulation.clearance(),
                 simulation.quadrotor().impact_speed(), codec_.counters().skipped_bytes);
     std::printf("%.0f bytes to the companion and %.0f back in a second of flight\n", rate(sent_to_companion_),
@@ -187,7 +184,7 @@ class Peer {
 
   PixhawkSim sim_;
   GroundStation station_;
-  mavlink::Codec codec_{swiftlet::classroom::kPeer};
+  mavlink::Codec codec_{swiftlet::lockstep::kPeer};
   Bytes frame_;
   std::size_t sent_to_companion_ = 0;
   std::size_t sent_to_autopilot_ = 0;

@@ -50,10 +50,11 @@ def main():
         emulator = start_emulator(command, image, blob, path)
         line, _ = listener.accept()
         line.setblocking(True)
-        flight = subprocess.run([peer, octomap], stdin=line.fileno())
-        if flight.returncode != 0:
-            emulator.kill()
-        console, _ = emulator.communicate(timeout=60)  # while the line is open: the last bytes may be under way
+        with line:
+            flight = subprocess.run([peer, octomap], stdin=line.fileno(), timeout=240)
+            if flight.returncode != 0:
+                emulator.kill()
+            console, _ = emulator.communicate(timeout=60)  # with the line open: the last bytes may be under way
     print(console, end="")
     if flight.returncode != 0 or emulator.returncode != 0:
         sys.exit(f"the flight ended with status {flight.returncode}, the image with {emulator.returncode}")

@@ -1,0 +1,16 @@
+#pragma once
+#include <cstdint>
+
+#include "swiftlet/mavlink/messages.hpp"
+
+/// Lock-step of companion_image and companion_peer, by TIMESYNC: before each step the image asks for the time. The peer
+/// lets the vehicle fly on for a period, sends what came of it, and answers.
+namespace swiftlet::lockstep {
+
+// Addresses of nobody who flies: the link takes no notice of them, and the autopilot gets nothing of it.
+inline constexpr mavlink::Address kImage{1, 25};  ///< MAV_COMP_ID_USER1
+inline constexpr mavlink::Address kPeer{255, 25};
+
+inline constexpr std::int64_t kTheEnd = -1;  ///< [ns] an answer below 0: the flight is over
+
+}  // namespace swiftlet::lockstep
