@@ -218,7 +218,8 @@ void Companion::take_commands() {
 void Companion::take_texts() {
   while (const std::optional<mavlink::Text> text = link_.take_text()) {
     const std::string_view words(text->text.data(), text->text.size());
-    journal_.heard(text->severity, Line("heard: ") << words.substr(0, words.find('\0')));
+    journal_.heard(text->severity, Line("heard: ")
+                                       << std::string_view(words.data(), std::min(words.size(), words.find('\0'))));
   }
 }
 

@@ -131,7 +131,7 @@ void FlightLog::write(const FlightEvent& event) {
   std::array<char, 120> line{};
   std::size_t size = 0;
   const auto append = [&](std::string_view text) {
-    text = text.substr(0, line.size() - size);
+    text = {text.data(), std::min(text.size(), line.size() - size)};
     std::copy(text.begin(), text.end(), line.begin() + static_cast<std::ptrdiff_t>(size));
     size += text.size();
   };

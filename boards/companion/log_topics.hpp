@@ -161,7 +161,7 @@ struct Input {
 inline constexpr std::uint16_t kCount = 10;
 
 /// The name in front of a format's colon.
-constexpr std::string_view name_of(std::string_view format) { return format.substr(0, format.find(':')); }
+consteval std::string_view name_of(std::string_view format) { return format.substr(0, format.find(':')); }
 
 template <typename Topic>
 constexpr bool is_as_its_format_says() {

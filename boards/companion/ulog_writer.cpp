@@ -31,15 +31,15 @@ void UlogWriter::format(std::string_view format) {
 }
 
 void UlogWriter::info(std::string_view key, std::string_view value) {
-  value = value.substr(0, kLongestText);
-  std::array<char, 5> digits{};  // of the length, lowest first
+  value = {value.data(), std::min(value.size(), kLongestText)};  // substr may throw
+  std::array<char, 5> digits{};                                  // of the length, lowest first
   std::size_t count = 0;
   for (std::size_t rest = value.size(); rest > 0 || count == 0; rest /= 10) {
     digits[count++] = static_cast<char>('0' + rest % 10);
   }
   constexpr std::string_view kType = "char[";
   constexpr std::string_view kTypeEnd = "] ";
-  key = key.substr(0, kLongestName);
+  key = {key.data(), std::min(key.size(), kLongestName)};
   const std::size_t key_size = kType.size() + count + kTypeEnd.size() + key.size();
   message('I', 1 + key_size + value.size());
   put(static_cast<std::uint8_t>(key_size));
@@ -68,7 +68,7 @@ void UlogWriter::data(std::uint16_t id, std::span<const std::byte> bytes) {
 }
 
 void UlogWriter::text(TimeUs now, std::uint8_t severity, std::string_view text) {
-  text = text.substr(0, kLongestText);
+  text = {text.data(), std::min(text.size(), kLongestText)};
   message('L', 1 + sizeof(std::uint64_t) + text.size());
   put(static_cast<char>('0' + std::min<std::uint8_t>(severity, 7)));
   put(static_cast<std::uint64_t>(now));

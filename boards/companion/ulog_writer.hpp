@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -60,7 +61,7 @@ class UlogWriter {
   void message(char type, std::size_t size);
   template <typename Number>
   void pair(char type, std::string_view type_name, std::string_view key, Number value) {
-    key = key.substr(0, kLongestName);
+    key = {key.data(), std::min(key.size(), kLongestName)};
     message(type, 1 + type_name.size() + key.size() + sizeof(value));
     put(static_cast<std::uint8_t>(type_name.size() + key.size()));
     put(type_name);

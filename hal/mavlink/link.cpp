@@ -594,10 +594,10 @@ bool Link::send_text(Severity severity, std::string_view text) {
     message.id = text_id_;
   }
   bool sent = true;
-  text = text.substr(0, Text{}.text.size());
+  text = {text.data(), std::min(text.size(), Text{}.text.size())};  // substr may throw
   // A last piece that fills its message is followed by an empty one: only a zero ends a text.
   do {
-    const std::string_view part = text.substr(0, piece);
+    const std::string_view part(text.data(), std::min(text.size(), piece));
     message.text = {};
     std::copy(part.begin(), part.end(), message.text.begin());
     sent = transmit(message) && sent;
