@@ -16,7 +16,7 @@ double lowest_free(const BoxGraphView& map, const Vector3& p_W) {
 }  // namespace
 
 Floor::Floor(const BoxGraphView& map, std::vector<Box> obstacles, const Vector3& start_W)
-    : obstacles_(std::move(obstacles)), lowest_(map.header().origin[2]), pad_(start_W) {
+    : obstacles_(std::move(obstacles)), lowest_(map.header().origin[2] - kBelowMap), pad_(start_W) {
   const double reach = lowest_free(map, start_W) - map.header().radius;
   pad_.z() = std::max({obstacle_below(start_W), start_W.z() - kPadDrop, reach});
 }

@@ -7,7 +7,7 @@
 namespace swiftlet::tools {
 
 /// What a vehicle in a map stands on or comes down to: a pad below its start, else the top of the highest obstacle
-/// below it, else the lowest height of the map.
+/// below it, else a metre below the map, whose edge is free space and no ground.
 class Floor {
  public:
   /// The pad is level and kPadSize wide. It lies kPadDrop below the start; higher where an obstacle, or the radius
@@ -16,6 +16,7 @@ class Floor {
 
   static constexpr double kPadDrop = 1;    // [m]
   static constexpr double kPadSize = 0.5;  // [m]
+  static constexpr double kBelowMap = 1;   // [m]
 
   /// Where the vehicle's centre is when it stands on the pad [m], frame W.
   [[nodiscard]] const Vector3& pad() const { return pad_; }

@@ -39,16 +39,16 @@ TEST(Floor, APadLiesAMetreBelowTheStartOrAsDeepAsTheMapAllows) {
   EXPECT_EQ(Floor(map, {table}, {2, 2, 1.5}).pad(), Vector3(2, 2, 1.25));
 }
 
-TEST(Floor, IsThePadTheHighestObstacleBelowOrTheBottomOfTheMap) {
+TEST(Floor, IsThePadTheHighestObstacleBelowOrAMetreBelowTheMap) {
   Floor floor(blob.view(), {{{1, 1, 0}, {3, 3, 1}}, {{1, 1, 0}, {3, 3, 0.5}}, {{1, 1, 2}, {3, 3, 3}}}, {0.5, 0.5, 2});
   EXPECT_EQ(floor.below({0.5, 0.5, 2}), floor.pad().z());
-  EXPECT_EQ(floor.below({0.5, 0.5, 0.1}), 0);  // under the pad
+  EXPECT_EQ(floor.below({0.5, 0.5, 0.1}), -1);  // under the pad
   floor.remove_pad();
-  EXPECT_EQ(floor.below({0.5, 0.5, 2}), 0);
+  EXPECT_EQ(floor.below({0.5, 0.5, 2}), -1);
   EXPECT_EQ(floor.below({2, 2, 1.5}), 1);
   EXPECT_EQ(floor.below({2, 2, 1}), 1);  // standing on it
   EXPECT_EQ(floor.below({2, 2, 0.7}), 0.5);
-  EXPECT_EQ(floor.below({3.5, 3.5, 2}), 0);
+  EXPECT_EQ(floor.below({3.5, 3.5, 2}), -1);
   EXPECT_EQ(floor.below({3.5, 3.5, -2}), -2);  // nothing is below the map
 }
 
