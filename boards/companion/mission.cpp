@@ -220,13 +220,14 @@ void Mission::take_off(const MissionView& view, const TrajectoryStore& store) {
 
 /// PX4's own take-off, with its ramp, on the position form: the height that counts is the measured one.
 void Mission::climb(const MissionView& view, const TrajectoryStore& store) {
+  const Vector3 target = store.sample(view.now).position;
   if (autopilot_climbs() && height(view.estimate) < kLifted)
-    requests_.ask_to_take_off(settings_.takeoff.height, view.now);
+    requests_.ask_to_take_off(target.z() - alignment_.place().z(), view.now);
   if (view.now - takeoff_since_ > settings_.takeoff.patience) {
     journal_.warn("the take-off takes too long");
     lands_ = true;
   }
-  const Real missing = store.sample(view.now).position.z() - view.estimate.position.z();
+  const Real missing = target.z() - view.estimate.position.z();
   if (missing > settings_.takeoff.tolerance || std::fabs(view.estimate.velocity.z()) > kSlow) return;
   climbing_ = false;
   takeoff_since_ = settled_since_ = view.now;

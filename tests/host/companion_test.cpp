@@ -65,12 +65,15 @@ PixhawkSimSettings usual_sim() {
 }
 
 /// A hall of 12.8 x 12.8 x 3.2 m with a pillar, for the position form's wide tube.
+std::vector<std::byte> hall_blob(bool with_floor) {
+  tools::VoxelGrid grid({40, 40, 10}, 0.32);
+  grid.fill({{15, 15, 0}, {16, 16, 9}}, true);
+  if (with_floor) grid.fill({{0, 0, 0}, {39, 39, 0}}, true);
+  return blob_of(grid, 0.7);
+}
+
 const BoxGraphView& hall() {
-  static const std::vector<std::byte> blob = [] {
-    tools::VoxelGrid grid({40, 40, 10}, 0.32);
-    grid.fill({{15, 15, 0}, {16, 16, 9}}, true);
-    return blob_of(grid, 0.7);
-  }();
+  static const std::vector<std::byte> blob = hall_blob(false);
   static const BoxGraphView view = *BoxGraphView::open(blob);
   return view;
 }
@@ -634,6 +637,211 @@ TEST(Companion, AGroundStationsGoalIsFlownToAndARefusedOneIsAnswered) {
   EXPECT_TRUE(station.heard("refused: goal_not_free"));
   station.send_command(21);  // MAV_CMD_NAV_LAND
   EXPECT_TRUE(rig.run_until(30, is_done)) << rig.notes();
+}
+
+// ---- ArduPilot, as its documentation has it: no flight of it was observed
+
+/// A copter that takes set-points in GUIDED, climbs by MAV_CMD_NAV_TAKEOFF alone, which set-points end, tells its mode
+/// by HEARTBEAT and streams what it is asked for. It follows perfectly well: what counts is what is said.
+class ArduCopter final : public hal::Uart {
+ public:
+  enum Mode : std::uint32_t { kStabilize = 0, kGuided = 4, kLoiter = 5, kLand = 9 };
+
+  std::size_t write(std::span<const std::byte> bytes) override {
+    const std::size_t count = bytes.size();
+    while (const auto frame = codec_.receive(bytes)) take(*frame);
+    return count;
+  }
+  std::size_t read(std::span<std::byte> into) override {
+    const std::size_t count = std::min(into.size(), outbox_.size());
+    std::copy_n(outbox_.begin(), count, into.begin());
+    outbox_.erase(outbox_.begin(), outbox_.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+  [[nodiscard]] std::uint32_t overruns() const override { return 0; }
+
+  void advance() {
+    time += milliseconds(10);
+    move(0.01);
+    if (is_due(1000))
+      send(mavlink::Heartbeat{mode, mavlink::kTypeQuadrotor, mavlink::kAutopilotArduPilot, base_mode()});
+    if (is_due(20) && streams_) {
+      send(mavlink::AttitudeQuaternion{time_ms(), mavlink::to_ned(mavlink::Quaternion::Identity()), {}});
+      send(mavlink::LocalPositionNed{time_ms(), mavlink::to_ned(position), mavlink::to_ned(velocity_)});
+    }
+    if (is_due(200))
+      send(mavlink::ExtendedSystemState{flies() ? mavlink::LandedState::kInAir : mavlink::LandedState::kOnGround});
+  }
+  [[nodiscard]] bool flies() const { return position.z() > kGround + 0.01; }
+
+  std::chrono::microseconds time{0};
+  std::uint32_t mode = kStabilize;
+  bool armed = false;
+  Vector3 position{-4, 7, kGround};  // in its local frame
+  int refusals_of_take_off = 0;
+  std::vector<std::string> log;  // what was asked for, in order; without repetitions of refused ones
+  int set_points_on_climb = 0;
+  int set_points = 0;
+
+ private:
+  static constexpr double kGround = 0.3;        // the frame's origin is not where it stands
+  static constexpr double kNearlyThere = 0.16;  // a little more than takeoff.tolerance
+
+  [[nodiscard]] std::uint32_t time_ms() const { return static_cast<std::uint32_t>(time.count() / 1000); }
+  [[nodiscard]] bool is_due(std::uint32_t period_ms) const { return time_ms() % period_ms == 0; }
+  [[nodiscard]] std::uint8_t base_mode() const {
+    return mavlink::kModeFlagCustom | (armed ? mavlink::kModeFlagArmed : 0);
+  }
+
+  void take(const mavlink::Frame& frame) {
+    if (const auto command = mavlink::decode<mavlink::CommandLong>(frame)) {
+      send(mavlink::CommandAck{command->command, obey(*command), frame.from});
+    } else if (const auto target = mavlink::decode<mavlink::SetPositionTarget>(frame)) {
+      follow(*target);
+    } else if (const auto question = mavlink::decode<mavlink::TimeSyncMessage>(frame); question && question->tc1 == 0) {
+      send(mavlink::TimeSyncMessage{time.count() * 1000, question->ts1});
+    }
+  }
+
+  mavlink::CommandResult obey(const mavlink::CommandLong& command) {
+    const auto is_asked_for = [&](std::uint32_t id) { return command.param[0] == static_cast<float>(id); };
+    if (command.command == mavlink::kCommandSetMessageInterval) {
+      streams_ = streams_ || is_asked_for(mavlink::LocalPositionNed::kId);
+      return is_asked_for(mavlink::CurrentMode::kId) ? mavlink::CommandResult::kFailed
+                                                     : mavlink::CommandResult::kAccepted;
+    }
+    if (command.command == mavlink::kCommandDoSetMode) {
+      mode = static_cast<std::uint32_t>(command.param[1]);
+      log.push_back("mode " + std::to_string(mode));
+      return mavlink::CommandResult::kAccepted;
+    }
+    if (command.command == mavlink::kCommandArmDisarm) {
+      armed = command.param[0] == 1;
+      log.emplace_back(armed ? "arm" : "disarm");
+      return mavlink::CommandResult::kAccepted;
+    }
+    return command.command == 22 ? take_off(command.param[6]) : mavlink::CommandResult::kUnsupported;
+  }
+
+  mavlink::CommandResult take_off(float height) {
+    if (mode != kGuided || !armed || flies() || refusals_of_take_off-- > 0) return mavlink::CommandResult::kFailed;
+    climbs_to_ = kGround + static_cast<double>(height);
+    log.push_back("take off to " + std::to_string(std::lround(height * 100)));
+    return mavlink::CommandResult::kAccepted;
+  }
+
+  void follow(const mavlink::SetPositionTarget& target) {
+    ++set_points;
+    if (mode != kGuided || !flies()) return;
+    if (position.z() < climbs_to_ - kNearlyThere) ++set_points_on_climb;
+    climbs_to_ = 0;
+    target_ = target;
+  }
+
+  void move(double dt) {
+    velocity_.setZero();
+    if (mode == kLand) velocity_.z() = flies() ? -0.5 : 0;
+    if (mode == kLand && !flies()) armed = false;
+    if (mode == kGuided && climbs_to_ > 0) velocity_.z() = std::clamp(climbs_to_ - position.z(), 0.0, 0.5);
+    if (mode == kGuided && climbs_to_ == 0 && target_) {
+      velocity_ = mavlink::to_enu(target_->velocity) + 2 * (mavlink::to_enu(target_->position) - position);
+    }
+    position += velocity_ * dt;
+  }
+
+  template <typename Message>
+  void send(const Message& message) {
+    const std::span<const std::byte> frame = codec_.encode(message);
+    outbox_.insert(outbox_.end(), frame.begin(), frame.end());
+  }
+
+  mavlink::Codec codec_{{1, mavlink::kAutopilotComponent}};
+  std::vector<std::byte> outbox_;
+  bool streams_ = false;
+  Vector3 velocity_ = Vector3::Zero();
+  double climbs_to_ = 0;
+  std::optional<mavlink::SetPositionTarget> target_;
+};
+
+/// A companion on the position form in the hall, with the copter at the other end.
+class ArduRig {
+ public:
+  explicit ArduRig(const BoxGraphView& map = hall()) {
+    Settings settings = usual_settings();
+    settings.form = SetpointForm::kPosition;
+    settings.start = {3.2, 3.2, 0};
+    settings.takeoff.standing = kSecondUs;
+    settings.land_at_end = true;
+    companion_.emplace(settings, map, memory_->memory(), Devices{copter, worker_});
+    EXPECT_TRUE(companion_->engage(true));
+  }
+  template <typename Condition>
+  bool run_until(double seconds, const Condition& condition) {
+    for (int i = 0; i < std::lround(seconds * 100); ++i) {
+      copter.advance();
+      companion_->step(copter.time);
+      if (condition(companion_->telemetry())) return true;
+    }
+    return false;
+  }
+  Companion& companion() { return *companion_; }
+
+  ArduCopter copter;
+
+ private:
+  std::unique_ptr<PlannerStorage<kCapacity>> planner_memory_ = std::make_unique<PlannerStorage<kCapacity>>();
+  std::unique_ptr<CompanionStorage<kCapacity>> memory_ = std::make_unique<CompanionStorage<kCapacity>>();
+  InlineWorker worker_{planner_memory_->spans(), 1};
+  std::optional<Companion> companion_;
+};
+
+bool is_on_mission(const Telemetry& t) { return t.phase == Phase::kMission; }
+
+TEST(CompanionWithArduPilot, FliesInGuidedAfterAClimbThatNoSetPointDisturbs) {
+  ArduRig rig;
+  ASSERT_TRUE(rig.run_until(20, is_on_mission));
+  EXPECT_EQ(rig.companion().telemetry().autopilot, mavlink::AutopilotKind::kArduPilot);
+  EXPECT_TRUE(rig.companion().add_goal({7, 3.2, 1.2}));
+  EXPECT_TRUE(rig.companion().add_goal({7, 7, 1.2}));
+  EXPECT_TRUE(rig.run_until(60, is_done));
+  EXPECT_EQ(rig.companion().telemetry().goals_reached, 2U);
+  EXPECT_EQ(rig.copter.log, (std::vector<std::string>{"mode 4", "arm", "take off to 80", "mode 9"}));
+  EXPECT_EQ(rig.copter.set_points_on_climb, 0);
+  EXPECT_GT(rig.copter.set_points, 1000);
+  EXPECT_FALSE(rig.copter.armed);
+}
+
+TEST(CompanionWithArduPilot, TheClimbEndsInFreeSpaceThoughLessWasAskedFor) {
+  const std::vector<std::byte> blob = hall_blob(true);  // free from four voxels of 0.32 m on
+  ArduRig rig(*BoxGraphView::open(blob));
+  ASSERT_TRUE(rig.run_until(30, is_on_mission));
+  ASSERT_EQ(rig.copter.log.size(), 3U);
+  EXPECT_EQ(rig.copter.log.back(), "take off to 128");
+  EXPECT_EQ(rig.copter.set_points_on_climb, 0);
+}
+
+TEST(CompanionWithArduPilot, ATakeOffThatIsRefusedIsAskedForAgainUntilPatienceEnds) {
+  ArduRig patient;
+  patient.copter.refusals_of_take_off = 3;
+  EXPECT_TRUE(patient.run_until(20, is_on_mission));
+  ArduRig refused;
+  refused.copter.refusals_of_take_off = 1000;
+  EXPECT_FALSE(refused.run_until(40, is_on_mission));
+  EXPECT_EQ(refused.copter.log, (std::vector<std::string>{"mode 4", "arm", "mode 9"}));
+  EXPECT_FALSE(refused.copter.armed);
+}
+
+TEST(CompanionWithArduPilot, ThePilotsModeEndsSetPointsAndRequests) {
+  ArduRig rig;
+  ASSERT_TRUE(rig.run_until(20, is_on_mission));
+  EXPECT_TRUE(rig.companion().add_goal({7, 3.2, 1.2}));
+  ASSERT_TRUE(rig.run_until(10, is_flying));
+  rig.copter.mode = ArduCopter::kLoiter;
+  ASSERT_TRUE(rig.run_until(1.5, has_yielded));  // HEARTBEAT comes once a second
+  const int set_points = rig.copter.set_points;
+  EXPECT_FALSE(rig.run_until(5, [](const Telemetry& t) { return t.state != FlightState::kYielded; }));
+  EXPECT_EQ(rig.copter.set_points, set_points);
+  EXPECT_EQ(rig.copter.log.size(), 3U);
 }
 
 }  // namespace
