@@ -2,8 +2,8 @@
 // to fly and to land come over the link (docs/flight.md).
 #include <chrono>
 
+#include "bare/flight.hpp"
 #include "devices.hpp"
-#include "flight.hpp"
 
 namespace {
 

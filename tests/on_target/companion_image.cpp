@@ -7,10 +7,9 @@
 #include <optional>
 #include <string_view>
 
+#include "bare/flight.hpp"
 #include "board.hpp"
 #include "companion/text.hpp"
-#include "devices.hpp"
-#include "flight.hpp"
 #include "lockstep.hpp"
 
 namespace {
@@ -41,7 +40,7 @@ class LockstepLine final : public swiftlet::hal::Uart {
     filled_ = taken_ = 0;
     ask();
     std::optional<microseconds> answer;
-    while (!answer) answer = look_for_answer(wait_for_bytes());
+    while (!answer) answer = wait_for_answer();
     if (*answer < microseconds(0)) return std::nullopt;
     return now_ = *answer;
   }
@@ -53,23 +52,13 @@ class LockstepLine final : public swiftlet::hal::Uart {
     while (!frame.empty()) frame = frame.subspan(line_.write(frame));
   }
 
-  /// Sleeps until the line brings something. An interrupt between look and sleep would be slept through, so it waits.
-  std::span<const std::byte> wait_for_bytes() {
+  /// Keeps what came; an answer that ends the flight when nothing can come any more.
+  std::optional<microseconds> wait_for_answer() {
     const std::span<std::byte> room = std::span(received_).subspan(filled_);
-    if (room.empty()) {  // nobody would read it
-      ++overflows_;
-      filled_ = taken_ = 0;
-      return {};
-    }
-    std::size_t count = 0;
-    while (count == 0) {
-      asm volatile("cpsid i" ::: "memory");
-      count = line_.read(room);
-      if (count == 0) asm volatile("wfi" ::: "memory");
-      asm volatile("cpsie i" ::: "memory");
-    }
+    const std::size_t count = swiftlet::lockstep::wait_for_bytes(room);
     filled_ += count;
-    return room.first(count);
+    if (count == 0) ++overflows_;
+    return count == 0 ? microseconds(-1) : look_for_answer(room.first(count));
   }
 
   std::optional<microseconds> look_for_answer(std::span<const std::byte> bytes) {
@@ -112,10 +101,11 @@ void print(const Line& line) {
 
 }  // namespace
 
-/// 0 when the line lost nothing and every set-point was accepted by it.
-int main(int /*argc*/, char** /*argv*/) {
-  static LockstepLine line(swiftlet::board::autopilot_uart());
-  swiftlet::companion::Companion* const companion = swiftlet::board::begin_flight(line);
+/// Usage: companion_image [MAP], a bare board's lies in its map region. 0 when the line lost nothing and every
+/// set-point was accepted by it.
+int main(int argc, char** argv) {
+  static LockstepLine line(swiftlet::lockstep::line());
+  swiftlet::companion::Companion* const companion = swiftlet::board::begin_flight(line, argc > 1 ? argv[1] : "");
   if (companion == nullptr) return 3;
   TrackingMeter tracking;
   while (const std::optional<microseconds> now = line.next_step()) {

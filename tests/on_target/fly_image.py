@@ -1,7 +1,8 @@
-"""fly_image.py SWIFTLET PEER FOLDER EMULATOR... IMAGE: flies companion_image through a classroom in lock-step.
+"""fly_image.py SWIFTLET PEER FOLDER bare|hosted COMMAND...: flies companion_image through a classroom in lock-step.
 
-PEER, companion_peer of the host, is vehicle and ground station at the other end of the image's second serial line; both
-print how the flight went. Exit status 77 without the host's programs: build the preset host-release.
+COMMAND runs it. PEER, companion_peer of the host, is vehicle and ground station at the other end of its line: a bare
+board's second serial line, the standard input of any other. Both print how the flight went. Exit status 77 without the
+host's programs: build the preset host-release.
 """
 import atexit
 import pathlib
@@ -12,6 +13,7 @@ import tempfile
 
 MAP_REGION = 0x60000000
 MOST_STACK = 8192  # bytes
+PATIENCE = 240  # seconds
 SKIPPED = 77
 
 
@@ -23,17 +25,34 @@ def make_map(program, folder):
     return octomap, blob
 
 
-def start_emulator(command, image, blob, line):
-    """The second -serial must follow the first, so everything but `-kernel IMAGE` comes before it."""
-    emulator = subprocess.Popen(
-        [*command, "-device", f"loader,file={blob},addr={MAP_REGION:#x},force-raw=on", "-serial", f"unix:{line}",
-         "-kernel", image], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
-    atexit.register(emulator.kill)
-    return emulator
+def start(command, standard_input):
+    image = subprocess.Popen(command, stdin=standard_input, stdout=subprocess.PIPE, text=True)
+    atexit.register(image.kill)
+    return image
+
+
+def start_bare(command, blob):
+    """The image and the line to it. The second -serial must follow the first, so it comes before `-kernel IMAGE`."""
+    with tempfile.TemporaryDirectory() as short, socket.socket(socket.AF_UNIX) as listener:
+        path = pathlib.Path(short) / "line"  # the build folder's path may be too long for a socket
+        listener.bind(str(path))
+        listener.listen(1)
+        listener.settimeout(60)
+        image = start([*command[:-2], "-device", f"loader,file={blob},addr={MAP_REGION:#x},force-raw=on",
+                       "-serial", f"unix:{path}", *command[-2:]], subprocess.DEVNULL)
+        line, _ = listener.accept()
+    line.setblocking(True)
+    return image, line
+
+
+def start_hosted(command, blob):
+    line, far_end = socket.socketpair()
+    with far_end:
+        return start([*command, blob], far_end), line
 
 
 def main():
-    program, peer, folder, *command, _, image = sys.argv[1:]
+    program, peer, folder, kind, *command = sys.argv[1:]
     for needed in (program, peer):
         if not pathlib.Path(needed).exists():
             print(f"skipped: {needed} does not exist; build the preset host-release first")
@@ -42,22 +61,15 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     octomap, blob = make_map(program, folder)
 
-    with tempfile.TemporaryDirectory() as short, socket.socket(socket.AF_UNIX) as listener:
-        path = pathlib.Path(short) / "line"  # the build folder's path may be too long for a socket
-        listener.bind(str(path))
-        listener.listen(1)
-        listener.settimeout(60)
-        emulator = start_emulator(command, image, blob, path)
-        line, _ = listener.accept()
-        line.setblocking(True)
-        with line:
-            flight = subprocess.run([peer, octomap], stdin=line.fileno(), timeout=240)
-            if flight.returncode != 0:
-                emulator.kill()
-            console, _ = emulator.communicate(timeout=60)  # with the line open: the last bytes may be under way
+    image, line = (start_bare if kind == "bare" else start_hosted)(command, blob)
+    with line:
+        flight = subprocess.run([peer, octomap], stdin=line, timeout=PATIENCE)
+        if flight.returncode != 0:
+            image.kill()
+        console, _ = image.communicate(timeout=60)  # with the line open: the last bytes may be under way
     print(console, end="")
-    if flight.returncode != 0 or emulator.returncode != 0:
-        sys.exit(f"the flight ended with status {flight.returncode}, the image with {emulator.returncode}")
+    if flight.returncode != 0 or image.returncode != 0:
+        sys.exit(f"the flight ended with status {flight.returncode}, the image with {image.returncode}")
     stack = int(console.split()[-2])
     if stack > MOST_STACK:
         sys.exit(f"the flight took {stack} bytes of stack; at most {MOST_STACK} are allowed")

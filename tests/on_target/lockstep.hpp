@@ -1,6 +1,9 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
+#include "swiftlet/hal/uart.hpp"
 #include "swiftlet/mavlink/messages.hpp"
 
 /// Lock-step of companion_image and companion_peer, by TIMESYNC: before each step the image asks for the time. The peer
@@ -12,5 +15,12 @@ inline constexpr mavlink::Address kImage{1, 25};  ///< MAV_COMP_ID_USER1
 inline constexpr mavlink::Address kPeer{255, 25};
 
 inline constexpr std::int64_t kTheEnd = -1;  ///< [ns] an answer below 0: the flight is over
+
+// The image's end of the line: bare_line.cpp, hosted_line.cpp.
+
+hal::Uart& line();
+
+/// What the line brings, waiting until there is something; 0 when nothing can come any more.
+std::size_t wait_for_bytes(std::span<std::byte> into);
 
 }  // namespace swiftlet::lockstep

@@ -1,4 +1,4 @@
-#include "flight.hpp"
+#include "bare/flight.hpp"
 
 #include <algorithm>
 #include <string_view>
@@ -43,8 +43,8 @@ companion::Settings flight_settings() {
   return settings;
 }
 
-companion::Companion* begin_flight(hal::Uart& autopilot) {
-  const Result<BoxGraphView> map = BoxGraphView::open(trim_to_blob(map_region("")));
+companion::Companion* begin_flight(hal::Uart& autopilot, const char* map_path) {
+  const Result<BoxGraphView> map = BoxGraphView::open(trim_to_blob(map_region(map_path)));
   if (!map.ok()) {
     print((companion::Line("no map at the map region: ") << describe(map.status())).view());
     return nullptr;
