@@ -55,6 +55,9 @@ class Source {
     return all;
   }
 
+  /// Now and then more than any text may have.
+  std::vector<std::byte> long_bytes() { return bytes(below(32) == 31 ? 256 : 1); }
+
  private:
   std::span<const std::uint8_t> bytes_;
 };
@@ -117,7 +120,7 @@ void write_messages(Source& source) {
   const std::size_t size = source.below(200);
   const std::string format = "t:uint64_t timestamp;uint8_t[" + std::to_string(size) + "] bytes;";
   (void)writer->begin("f.ulg", source.get<TimeUs>());
-  const std::vector<std::byte> value = source.bytes(source.below(300));
+  const std::vector<std::byte> value = source.long_bytes();
   const std::string key = "key" + std::string(source.below(100), 'k');
   writer->format(format);
   writer->info(key, std::string_view(reinterpret_cast<const char*>(value.data()), value.size()));
@@ -130,7 +133,7 @@ void write_messages(Source& source) {
     if (kind == 0) {
       writer->flush();
     } else if (kind == 1) {
-      std::vector<std::byte> text = source.bytes(source.below(300));
+      std::vector<std::byte> text = source.long_bytes();
       writer->text(source.get<TimeUs>(), source.get<std::uint8_t>(),
                    {reinterpret_cast<const char*>(text.data()), text.size()});
       constexpr std::size_t kLongest = 60'000;
@@ -236,7 +239,7 @@ void compare(const tools::FlightStep& was, const tools::FlightStep& is) {
 void write_flight(Source& source) {
   SmallStorage storage = make_storage(source);
   const auto log = std::make_unique<FlightLog>(storage);
-  const std::vector<std::byte> settings = source.bytes(source.below(30));
+  const std::vector<std::byte> settings = source.long_bytes();
   (void)log->begin("f.ulg", source.get<TimeUs>(),
                    {"1", "test", {reinterpret_cast<const char*>(settings.data()), settings.size()}, 1});
   std::vector<tools::FlightStep> steps;
