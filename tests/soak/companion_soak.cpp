@@ -32,6 +32,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr Capacity kCapacity{.segments = 256, .search_nodes = 65'536};
+constexpr double kGround = -0.8;             // [m]
 constexpr double kMapRadius = 0.3;           // [m]
 constexpr double kLongestWithoutGoal = 600;  // [s] of the flight
 constexpr double kGrowth = 1'048'576;        // [bytes]
@@ -122,7 +123,7 @@ double resident_bytes() {
 struct Place {
   std::vector<std::byte> blob;
   BoxGraphView map;
-  Vector3 start;  // on the ground
+  Vector3 start;  // on the ground, which lies below all that is free: nothing touches it in flight
 };
 
 Place make_place() {
@@ -136,7 +137,7 @@ Place make_place() {
                    ->blob;
   place.map = *BoxGraphView::open(place.blob);
   const std::array<double, 3> centre = world.grid.centre(world.main_start);
-  place.start = {centre[0], centre[1], 0};
+  place.start = {centre[0], centre[1], kGround};
   return place;
 }
 
@@ -144,6 +145,7 @@ companion::Settings make_settings(const Place& place) {
   companion::Settings settings;
   settings.start = place.start;
   settings.engage_at_start = true;
+  settings.takeoff.height = 1.3;
   settings.limits.v_max = 1.5;
   settings.limits.a_max = 2;
   settings.margins.map_error = 0;
@@ -169,7 +171,9 @@ class Soak {
       : place_(place),
         sim_(make_sim(place)),
         line_(sim_),
-        companion_(make_settings(place), place.map, memory_->memory(), {line_, worker_, begin_log()}) {}
+        companion_(make_settings(place), place.map, memory_->memory(), {line_, worker_, begin_log()}) {
+    sim_.simulation().set_ground(kGround);
+  }
 
   void step() {
     give_words();
