@@ -49,7 +49,7 @@ void define(UlogWriter& writer) {
 
 template <typename... Topics>
 void subscribe(UlogWriter& writer) {
-  (writer.subscribe(Topics::kId, topic::name_of(Topics::kFormat)), ...);
+  (writer.subscribe(Topics::kId, topic::kName<Topics>), ...);
 }
 
 }  // namespace

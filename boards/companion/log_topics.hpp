@@ -160,8 +160,9 @@ struct Input {
 
 inline constexpr std::uint16_t kCount = 10;
 
-/// The name in front of a format's colon.
-consteval std::string_view name_of(std::string_view format) { return format.substr(0, format.find(':')); }
+/// The name in front of the colon of a topic's format.
+template <typename Topic>
+inline constexpr std::string_view kName = Topic::kFormat.substr(0, Topic::kFormat.find(':'));
 
 template <typename Topic>
 constexpr bool is_as_its_format_says() {

@@ -137,7 +137,7 @@ class Decoder {
 }  // namespace
 
 Expected<std::vector<FlightStep>> flight_inputs(const Ulog& log) {
-  const auto topic = log.find_topic(companion::topic::name_of(companion::topic::Input::kFormat));
+  const auto topic = log.find_topic(companion::topic::kName<companion::topic::Input>);
   if (!topic) return bad_file(log.path + ": holds no topic swiftlet_input: it was not written by a companion");
   if (log.topics.at(*topic).size != sizeof(companion::topic::Input)) {
     return bad_file(log.path +

@@ -288,7 +288,7 @@ void read_stream(Source& source) {
   const auto writer = std::make_unique<UlogWriter>(storage);
   (void)writer->begin("f.ulg", 0);
   writer->format(topic::Input::kFormat);
-  writer->subscribe(3, topic::name_of(topic::Input::kFormat));
+  writer->subscribe(3, topic::kName<topic::Input>);
   while (!source.empty()) {
     const auto piece = source.get<topic::Input>();
     writer->data(3, std::as_bytes(std::span(&piece, 1)));

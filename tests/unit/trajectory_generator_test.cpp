@@ -202,7 +202,7 @@ TEST(TrajectoryGenerator, ACorridorLongerThanTheStorageIsRefused) {
 
 TEST(TrajectoryGenerator, SixtyFourSegmentsFitInto64KiB) {
   constexpr std::size_t kBytes = sizeof(TrajectoryStorage<64>) + sizeof(RefinementStorage<64>);
-  static_assert(kBytes <= 64 * 1024, "memory of the trajectory stage, refinement of times included");
+  static_assert(kBytes <= std::size_t{64} * 1024, "memory of the trajectory stage, refinement of times included");
   EXPECT_LE(kBytes, (kIsDouble ? std::size_t{64} : std::size_t{40}) * 1024);
 }
 
