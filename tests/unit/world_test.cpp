@@ -127,14 +127,16 @@ TEST(World, EveryVoxelOfTheOctoMapIsFreeOrOccupiedWithTheLowCornerAtTheOrigin) {
 
 TEST(World, AnOctoMapMayLeaveVoxelsUnknown) {
   const Voxel size{5, 4, 3};
-  std::vector<std::uint8_t> codes;
-  for (int i = 0; i < 60; ++i) codes.push_back(static_cast<std::uint8_t>(i * i % 7 % 3));
+  std::vector<std::uint8_t> codes(60);
+  for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = static_cast<std::uint8_t>(i * i % 7 % 3);
   std::istringstream bytes(to_bt(size, 0.5, codes));
   octomap::OcTree tree(1.0);
   ASSERT_TRUE(tree.readBinary(bytes));
   for (int i = 0; i < 60; ++i) {
-    const octomap::OcTreeNode* node =
-        tree.search(0.25 + 0.5 * (i % 5), 0.25 + 0.5 * (i / 5 % 4), 0.25 + 0.5 * (i / 20));
+    const int x = i % 5;
+    const int y = i / 5 % 4;
+    const int z = i / 20;
+    const octomap::OcTreeNode* node = tree.search(0.25 + 0.5 * x, 0.25 + 0.5 * y, 0.25 + 0.5 * z);
     const VoxelCode found = node == nullptr ? kUnknownVoxel : tree.isNodeOccupied(node) ? kOccupiedVoxel : kFreeVoxel;
     EXPECT_EQ(found, codes[static_cast<std::size_t>(i)]) << i;
   }
