@@ -74,6 +74,24 @@ TEST_F(Verify, EveryPlanOfThePlannerHolds) {
   }
 }
 
+TEST_F(Verify, ABoxThatReachesIntoSpaceOfNoCellHoldsWhereACellsExtentDoes) {
+  ASSERT_EQ(swiftlet({"world", "classroom", "--seed", "1", "-o", path("w.bt"), "--query", path("w.csv")}).status, 0);
+  ASSERT_EQ(swiftlet({"map", "build", path("w.bt"), "-o", path("rooms.swm"), "--radius", "0.15", "--drop-slivers", "1"})
+                .status,
+            0);
+  ASSERT_EQ(swiftlet({"plan", path("rooms.swm"), "--queries", path("w.csv"), "--vmax", "1", "--amax", "1", "--jsonl",
+                      path("w.jsonl")})
+                .status,
+            0);
+  std::vector<Json> plans = read_lines(path("w.jsonl"));
+  plans.resize(20);
+  for (const Json& plan : plans) {
+    ASSERT_TRUE(plan.contains("segments")) << plan.dump();
+    const Outcome run = verify(plan.dump());
+    EXPECT_EQ(run.status, 0) << run.err;
+  }
+}
+
 TEST_F(Verify, AChangedCoefficientBreaksContinuityOrTheEndsOrTheLimits) {
   EXPECT_TRUE(finds([](Json& p) { add(p["segments"][0]["x"][0], 1e-3); }, {"position", "at the start"}));
   EXPECT_TRUE(finds([](Json& p) { add(p["segments"][0]["y"][1], 1e-3); }, {"velocity", "at the start"}));
