@@ -238,7 +238,7 @@ Expected<FreeSpace> compute_free_space(const VoxelMap& map, const std::string& s
   const VoxelBox voxels = crop(map, options.bounds);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (voxels.lo[axis] >= voxels.hi[axis]) {
-      return bad_file(source + ": no voxel lies inside --bounds; choose bounds that overlap the map");
+      return bad_option("--bounds holds no voxel of " + source + "; choose bounds that overlap the map");
     }
   }
   if (!fits(voxels, 0)) {
@@ -252,7 +252,7 @@ Expected<FreeSpace> compute_free_space(const VoxelMap& map, const std::string& s
   const double reach_in_units = options.radius / unit;
   constexpr double kMaxReach = 64;  // a limit on time and memory: both grow with its square
   if (!(reach_in_units <= kMaxReach)) {
-    return bad_file(source + ": --radius is over 64 voxels; use a coarser map, or a smaller radius");
+    return bad_option("--radius is over 64 voxels of " + source + "; use a coarser map, or a smaller radius");
   }
   const Neighbourhood near(reach_in_units);
 

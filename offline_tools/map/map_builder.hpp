@@ -35,9 +35,9 @@ struct BuiltMap {
 };
 
 /// Flattens a voxel map into a blob (docs/map_format.md): inflate, partition, extend, connect, measure, pack. Same
-/// input and options, same bytes. `source` names the map in the report and in errors. Errors (exit status 3): too large
-/// for the blob's integers or for memory, bounds that hold nothing of the map. Options are the caller's to check
-/// (finite, radius >= 0, coarsen >= 1).
+/// input and options, same bytes. `source` names the map in the report and in errors. Errors: too large for the blob's
+/// integers or for memory (exit status 3); bounds that hold nothing of the map, a radius over 64 voxels (2). The rest
+/// of the options is the caller's to check (finite, radius >= 0, coarsen >= 1).
 Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, const MapBuildOptions& options,
                              const Progress& progress);
 

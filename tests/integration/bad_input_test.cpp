@@ -99,7 +99,8 @@ TEST_F(BadOctoMap, NumbersOutOfRangeAreUsageErrors) {
   EXPECT_TRUE(refuses(build({"--radius", "0.3", "--bounds", "0,0,0,1,1"}), 2, {"--bounds"}));
   EXPECT_TRUE(refuses(build({"--radius", "0.3", "--bounds", "0,0,0,1,1,nan"}), 2, {"--bounds"}));
   EXPECT_TRUE(refuses(build({"--radius", "0.3", "--bounds", "1,0,0,0,1,1"}), 2, {"--bounds"}));
-  EXPECT_TRUE(refuses(build({"--radius", "0.3", "--bounds", "50,50,50,51,51,51"}), 3, {"good.bt"}));
+  EXPECT_TRUE(refuses(build({"--radius", "0.3", "--bounds", "50,50,50,51,51,51"}), 2, {"--bounds", "good.bt"}));
+  EXPECT_TRUE(refuses(build({"--radius", "7"}), 2, {"--radius", "good.bt"}));  // 70 voxels
   EXPECT_TRUE(refuses(build({"--radius", "0.3", "--frobnicate"}), 2, {"--frobnicate"}));
 }
 
