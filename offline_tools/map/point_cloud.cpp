@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -38,8 +39,9 @@ class Lines {
   std::size_t number_ = 0;
 };
 
+constexpr std::string_view kSeparators = " \t,;";
+
 std::vector<std::string_view> words_of(std::string_view line) {
-  constexpr std::string_view kSeparators = " \t,;";
   std::vector<std::string_view> words;
   for (std::size_t at = line.find_first_not_of(kSeparators); at < line.size();) {
     const std::size_t end = std::min(line.find_first_of(kSeparators, at), line.size());
@@ -47,6 +49,22 @@ std::vector<std::string_view> words_of(std::string_view line) {
     at = line.find_first_not_of(kSeparators, end);
   }
   return words;
+}
+
+/// Whether some words are parted by a lone comma and others without one: "1,5 2,5" may be two numbers or four.
+bool may_hold_decimal_commas(std::string_view line) {
+  bool lone_comma = false;
+  bool other = false;
+  std::size_t begin = line.find_first_of(kSeparators, line.find_first_not_of(kSeparators));
+  while (begin < line.size()) {
+    const std::size_t end = line.find_first_not_of(kSeparators, begin);
+    if (end == std::string_view::npos) break;
+    const std::string_view between = line.substr(begin, end - begin);
+    lone_comma = lone_comma || between == ",";
+    other = other || between.find(',') == std::string_view::npos;
+    begin = line.find_first_of(kSeparators, end);
+  }
+  return lone_comma && other;
 }
 
 template <typename Number>
@@ -127,6 +145,9 @@ Failure read_binary(const Layout& layout, std::span<const std::byte> data, Point
 }
 
 Failure read_row(std::string_view line, std::size_t number, const std::array<std::size_t, 3>& xyz, PointCloud& cloud) {
+  if (may_hold_decimal_commas(line)) {
+    return "parts numbers with commas and without in line " + std::to_string(number) + "; write decimals with a point";
+  }
   const std::vector<std::string_view> words = words_of(line);
   std::array<double, 3> point{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -402,7 +423,9 @@ void walk(const std::array<double, 3>& from, const std::array<double, 3>& to, co
 
 Expected<PointCloud> parse_point_cloud(const std::string& name, std::span<const std::byte> file) {
   const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
-  const auto ends_with = [&name](std::string_view end) { return std::string_view(name).ends_with(end); };
+  std::string lower = name;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto ends_with = [&lower](std::string_view end) { return std::string_view(lower).ends_with(end); };
   PointCloud cloud;
   Failure failure;
   if (file.empty()) {

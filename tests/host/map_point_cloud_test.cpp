@@ -80,6 +80,23 @@ TEST(PointCloud, ReadsEveryFormatToTheSamePoints) {
   EXPECT_EQ(points_of("a.pcd", pcd_file()), kTwoPoints);
 }
 
+TEST(PointCloud, ReadsNoDecimalCommasAsSeparators) {
+  for (const char* row : {"1,5 2,5 3,5\n", "1,5;2,5;3,5\n", "1 2 3,5\n", "1,5\t2\t3\n"}) {
+    const std::string message = message_of("a.xyz", std::string("0 0 0\n") + row);
+    EXPECT_NE(message.find("line 2"), std::string::npos) << row << message;
+    EXPECT_NE(message.find("decimal"), std::string::npos) << row << message;
+  }
+  for (const char* row : {"1,2,3\n", "1, 2, 3\n", "1 , 2 , 3 \n", "1;2;3\n", "1,2,3,4\n", " 1,2,3\n"}) {
+    EXPECT_EQ(points_of("a.xyz", row), (std::vector<std::array<double, 3>>{{1, 2, 3}})) << row;
+  }
+}
+
+TEST(PointCloud, KnowsItsFormatsInCapitalsToo) {
+  EXPECT_EQ(points_of("A.XYZ", "1 2 3\n").size(), 1U);
+  EXPECT_EQ(points_of("A.Ply", ply_file("binary_little_endian")), kTwoPoints);
+  EXPECT_EQ(points_of("A.PCD", pcd_file()), kTwoPoints);
+}
+
 TEST(PointCloud, TakesTheViewpointOfAPcdAndDropsPointsThatAreNone) {
   const auto cloud = parse_point_cloud("a.pcd", as_bytes(pcd_header("ascii") + "1 2 3 nan nan nan\n1 2 3 -3 4 5\n"));
   ASSERT_TRUE(cloud.has_value()) << cloud.error().message;
