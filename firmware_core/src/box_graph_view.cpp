@@ -437,7 +437,8 @@ std::optional<CellIndex> BoxGraphView::locate(const Vector3& p_W) const {
   return std::nullopt;
 }
 
-std::optional<BoxGraphView::NearestFree> BoxGraphView::nearest_free(const Vector3& p_W) const {
+std::optional<BoxGraphView::NearestFree> BoxGraphView::nearest_free(const Vector3& p_W,
+                                                                    std::optional<std::uint16_t> component) const {
   const auto index = section<BlobBox>(BlobSection::kIndex);
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(p_W[axis])) return std::nullopt;
@@ -479,6 +480,7 @@ std::optional<BoxGraphView::NearestFree> BoxGraphView::nearest_free(const Vector
     }
     for (std::size_t i = shape.first_cell(entry.node); i < shape.end_cell(entry.node); ++i) {
       const auto candidate = static_cast<CellIndex>(i);
+      if (component && this->component(candidate) != *component) continue;
       const Vector3 point = nearest_in(cell(candidate));
       const Real squared = squared_distance(point);
       const bool tie = best && squared == best_squared && candidate < best->cell;
@@ -487,6 +489,7 @@ std::optional<BoxGraphView::NearestFree> BoxGraphView::nearest_free(const Vector
       best_squared = squared;
     }
   }
+  if (!best) return std::nullopt;
   best->distance = std::sqrt(best_squared);
   if (blocked_ == nullptr) return best;
   // The nearest point of the map, unless it is blocked: what lies behind an obstacle is no place to move to unasked.

@@ -15,14 +15,32 @@ bool is_finite(const State& state) {
          (state.acceleration.array().abs() < kInfinity).all();
 }
 
-/// The cell of a state's position; moves the position to the nearest free point within `snap`.
-std::optional<CellIndex> locate_or_snap(const BoxGraphView& graph, Real snap, State& state) {
+/// The cell of a state's position; moves the position to the nearest free point within `snap`, of one component where
+/// one is named.
+std::optional<CellIndex> locate_or_snap(const BoxGraphView& graph, Real snap, std::optional<std::uint16_t> component,
+                                        State& state) {
   const std::optional<CellIndex> cell = graph.locate(state.position);
   if (cell || !(snap > 0)) return cell;
-  const std::optional<BoxGraphView::NearestFree> nearest = graph.nearest_free(state.position);
+  const std::optional<BoxGraphView::NearestFree> nearest = graph.nearest_free(state.position, component);
   if (!nearest || nearest->distance > snap) return std::nullopt;
   state.position = nearest->point;
   return nearest->cell;
+}
+
+/// Where the ends, as located or moved, are not connected: the goal, or else the start, follows into the component of
+/// the other, unless it is free where it is.
+bool snap_together(const BoxGraphView& graph, const PlanRequest& request, State& start, CellIndex& start_cell,
+                   State& goal, CellIndex& goal_cell) {
+  const auto follow = [&](const State& asked, CellIndex other, State& state, CellIndex& cell) {
+    State moved = asked;
+    const std::uint16_t component = graph.component(other);
+    const std::optional<CellIndex> found = locate_or_snap(graph, request.snap_distance, component, moved);
+    if (!found || graph.component(*found) != component) return false;
+    state = moved;
+    cell = *found;
+    return true;
+  };
+  return follow(request.goal, start_cell, goal, goal_cell) || follow(request.start, goal_cell, start, start_cell);
 }
 
 std::uint64_t volume(const IntBox& box) {
@@ -70,11 +88,14 @@ Status Planner::find_corridor(const BoxGraphView& graph, const PlanRequest& requ
 Status Planner::search_corridor(const BoxGraphView& graph, const PlanRequest& request) {
   if (!is_finite(request.start) || !is_finite(request.goal)) return Status::kBadRequest;
   if (!is_usable(flight_limits(request)) || !(request.snap_distance >= 0)) return Status::kBadRequest;
-  const std::optional<CellIndex> start_cell = locate_or_snap(graph, request.snap_distance, plan_.start);
+  std::optional<CellIndex> start_cell = locate_or_snap(graph, request.snap_distance, {}, plan_.start);
   if (!start_cell) return Status::kStartNotFree;
-  const std::optional<CellIndex> goal_cell = locate_or_snap(graph, request.snap_distance, plan_.goal);
+  std::optional<CellIndex> goal_cell = locate_or_snap(graph, request.snap_distance, {}, plan_.goal);
   if (!goal_cell) return Status::kGoalNotFree;
-  if (graph.component(*start_cell) != graph.component(*goal_cell)) return Status::kNoPath;
+  if (graph.component(*start_cell) != graph.component(*goal_cell) &&
+      !snap_together(graph, request, plan_.start, *start_cell, plan_.goal, *goal_cell)) {
+    return Status::kNoPath;
+  }
 
   std::size_t cell_count = 0;
   Status status = find_cell_path(graph, *start_cell, plan_.start.position, *goal_cell, plan_.goal.position,

@@ -341,6 +341,18 @@ TEST(BoxGraphView, LocatesNothingOutsideTheMapOrForNumbersThatAreNone) {
   }
 }
 
+TEST(BoxGraphView, FindsTheNearestFreePointOfOneComponent) {
+  TestBlob blob({9, 2, 2}, {IntBox{{0, 0, 0}, {2, 2, 2}}, IntBox{{2, 0, 0}, {4, 2, 2}}, IntBox{{5, 0, 0}, {9, 2, 2}}});
+  const BoxGraphView view = blob.view();
+  const Vector3 p(Real(4.75), 1, 1);
+  EXPECT_EQ(view.nearest_free(p)->cell, CellIndex{2});
+  const auto nearest = view.nearest_free(p, view.component(CellIndex{0}));
+  ASSERT_TRUE(nearest.has_value());
+  EXPECT_EQ(nearest->cell, CellIndex{1});
+  EXPECT_NEAR(nearest->distance, Real(0.75), Real(1e-6));
+  EXPECT_FALSE(view.nearest_free(p, 7).has_value());
+}
+
 TEST(BoxGraphView, FindsTheNearestFreePointAsBruteForceDoes) {
   TestBlob blob = checkerboard();
   const BoxGraphView view = blob.view();

@@ -135,6 +135,28 @@ TEST(Planner, SnapMovesAnEndToFreeSpaceWithinItsDistanceAndNoFarther) {
   EXPECT_EQ(plan.start.position[1], Real(3));
 }
 
+TEST(Planner, SnapLeavesAPocketForSpaceThatLeadsToTheOtherEnd) {
+  const Vector3 between{1, Real(5.1), 1};  // 0.9 m from the closet, 1.1 m from the room
+  Rooms rooms;
+  rooms.request.snap_distance = Real(1.2);
+  rooms.request.start.position = between;
+  const Plan& plan = rooms.plan();
+  ASSERT_EQ(plan.status, Status::kOk);
+  EXPECT_NEAR(plan.start.position[1], 4, 1e-6);
+  rooms.request.start.position = {1, 3, 1};
+  rooms.request.goal.position = between;
+  ASSERT_EQ(rooms.plan().status, Status::kOk);
+  EXPECT_NEAR(plan.goal.position[1], 4, 1e-6);
+  rooms.request.start.position = {5, Real(4.2), 1};  // nearest to the room, as the closet is too far
+  rooms.request.goal.position = {1, 7, 1};           // free, and stays
+  EXPECT_EQ(rooms.plan().status, Status::kNoPath);
+  rooms.request.start.position = between;
+  EXPECT_EQ(rooms.plan().status, Status::kOk);
+  rooms.request.goal.position = {9, 3, 2};
+  rooms.request.snap_distance = 1;
+  EXPECT_EQ(rooms.plan().status, Status::kNoPath);
+}
+
 TEST(Planner, NothingLeadsToTheCloset) {
   Rooms rooms;
   rooms.request.goal.position = {1, 7, 1};

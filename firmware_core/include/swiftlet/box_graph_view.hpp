@@ -132,9 +132,11 @@ class BoxGraphView {
     Vector3 point = Vector3::Zero();  ///< [m] frame W, inside `cell`
     Real distance = 0;                ///< [m]
   };
-  /// The free point nearest to `p_W`, in the cell of the lowest index on ties; nothing when the map has no cell or
-  /// `p_W` is not finite. Branch and bound: at most one visit of every index node.
-  [[nodiscard]] std::optional<NearestFree> nearest_free(const Vector3& p_W) const;
+  /// The free point nearest to `p_W`, of one component where one is named, in the cell of the lowest index on ties;
+  /// nothing when there is no such cell or `p_W` is not finite. Branch and bound: at most one visit of every index
+  /// node.
+  [[nodiscard]] std::optional<NearestFree> nearest_free(const Vector3& p_W,
+                                                        std::optional<std::uint16_t> component = {}) const;
 
   /// The same map without what `blocked` blocks (blocked_space.hpp): cell indices from cell_count() on are pieces of
   /// cells that it cuts, `extent` and `locate` keep out of it, and neighbours are those that `visit_neighbours` finds.

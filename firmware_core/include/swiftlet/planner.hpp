@@ -26,8 +26,10 @@ struct PlanRequest {
   CorridorKind corridor = CorridorKind::kExtents;
   bool relax = true;  ///< kCells only
   SearchOptions search;
-  WorkBudget budget;       ///< the search counts towards its deadline
-  Real snap_distance = 0;  ///< [m] move a start or goal that is not free to the nearest free point within this distance
+  WorkBudget budget;  ///< the search counts towards its deadline
+  /// [m] Move a start or goal that is not free to the nearest free point within this distance; where the ends are then
+  /// not connected, to the nearest one that is.
+  Real snap_distance = 0;
 };
 
 /// The limits of a request, as the trajectory stage and the certificate take them.
