@@ -73,8 +73,9 @@ const std::vector<IntBox>& Obstacles::boxes() {
 std::string explain_not_free(const MapFile& map, Obstacles& obstacles, const std::string& which, const Vector3& point) {
   const NotFreeReason why = why_not_free(map.graph, obstacles.boxes(), point);
   std::string line = which + " (" + to_text(point) + ") is not free: " + describe(why.reason);
-  if (why.reason == NotFree::kTooClose) {
-    line += " (" + to_text(why.obstacle_distance, 3) + " m, radius " + to_text(map.graph.header().radius, 3) + " m)";
+  if (why.reason == NotFree::kTooClose || why.reason == NotFree::kLostToGrid) {
+    line += " (" + to_text(why.obstacle_distance, 3) + " m, radius " + to_text(map.graph.header().radius, 3) + " m" +
+            (why.reason == NotFree::kLostToGrid ? ", grid of " + to_text(map.graph.unit(), 3) + " m)" : ")");
   }
   const auto nearest = map.graph.nearest_free(point);
   if (!nearest) return line + "; the map holds no free point at all";

@@ -11,6 +11,8 @@
 namespace swiftlet::tools {
 namespace {
 
+constexpr double kTwelveDigits = 1e-12;  // relative: such lengths count as equal
+
 /// Depth of the tree whose root cube covers a box of this size.
 int root_depth(std::int64_t longest_edge) {
   int depth = 1;
@@ -72,6 +74,16 @@ void join_along(std::size_t axis, std::vector<GridBox>& boxes) {
   boxes = std::move(joined);
 }
 
+/// [unit^2] between two closed boxes.
+double squared_gap(const IntBox& a, const IntBox& b) {
+  double sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int gap = std::max({0, a.lo[axis] - b.hi[axis], b.lo[axis] - a.hi[axis]});
+    sum += static_cast<double>(gap) * gap;
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::vector<std::byte> pack_obstacles(const VoxelMap& map, const std::array<std::int32_t, 3>& first_voxel,
@@ -130,27 +142,45 @@ const char* describe(NotFree reason) {
       return "occupied";
     case NotFree::kTooClose:
       return "too close to an obstacle";
+    case NotFree::kLostToGrid:
+      return "lost to the map's grid near an obstacle";
     case NotFree::kUnknown:
       return "unknown space";
+    case NotFree::kLeftOut:
+      return "left out by --coarsen, --drop-slivers or --bounds";
+    case NotFree::kUnknownOrLeftOut:
+      return "unknown space, or left out by --coarsen or --drop-slivers";
   }
   return "?";
 }
 
 NotFreeReason why_not_free(const BoxGraphView& view, const std::vector<IntBox>& obstacles, const Vector3& p_W) {
+  const BlobHeader& header = view.header();
+  const double radius_units = header.radius / view.unit();
+  IntBox cube{};  // the unit cube around the point; what the builder judges
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double units = (p_W[static_cast<Eigen::Index>(axis)] - header.origin[axis]) / view.unit();
+    cube.lo[axis] = static_cast<std::uint16_t>(std::clamp(std::floor(units), 0.0, header.size[axis] - 1.0));
+    cube.hi[axis] = static_cast<std::uint16_t>(cube.lo[axis] + 1);
+  }
   double nearest = std::numeric_limits<double>::infinity();
+  double cube_squared = nearest;  // [unit^2]
   for (const IntBox& obstacle : obstacles) {
     const Box box = view.to_world(obstacle);
     const Vector3 gap = (box.lo - p_W).cwiseMax(p_W - box.hi).cwiseMax(0);
     nearest = std::min(nearest, static_cast<double>(gap.norm()));
+    cube_squared = std::min(cube_squared, squared_gap(cube, obstacle));
   }
-  const BlobHeader& header = view.header();
   const auto size = [&](std::size_t axis) { return static_cast<std::uint16_t>(header.size[axis]); };
   const Box whole = view.to_world({{0, 0, 0}, {size(0), size(1), size(2)}});
   const bool inside = (p_W.array() >= whole.lo.array()).all() && (p_W.array() <= whole.hi.array()).all();
   if (!inside) return {NotFree::kOutside, nearest};
   if (nearest == 0) return {NotFree::kOccupied, nearest};
-  const bool too_close = nearest < header.radius + std::sqrt(3.0) * view.unit();
-  return {too_close ? NotFree::kTooClose : NotFree::kUnknown, nearest};
+  if (nearest < header.radius * (1 - kTwelveDigits)) return {NotFree::kTooClose, nearest};
+  if (cube_squared < radius_units * radius_units * (1 - 2 * kTwelveDigits)) return {NotFree::kLostToGrid, nearest};
+  if (header.unknown_policy == static_cast<std::uint32_t>(UnknownPolicy::kFree)) return {NotFree::kLeftOut, nearest};
+  const bool left_out = header.lost_to_coarsening + header.lost_to_slivers > 0;
+  return {left_out ? NotFree::kUnknownOrLeftOut : NotFree::kUnknown, nearest};
 }
 
 }  // namespace swiftlet::tools

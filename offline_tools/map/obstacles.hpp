@@ -20,12 +20,16 @@ Expected<std::vector<IntBox>> obstacle_boxes(const BoxGraphView& view);
 
 /// Why a point is in no cell.
 enum class NotFree : std::uint8_t {
-  kOutside,   ///< outside the mapped box
-  kOccupied,  ///< in an occupied voxel
-  kTooClose,  ///< closer to one than the radius, or than the radius and the blob's quantisation
-  kUnknown,   ///< never observed, or (policy `occupied`) too close to such space, or dropped by coarsening
+  kOutside,           ///< outside the mapped box
+  kOccupied,          ///< in an occupied voxel
+  kTooClose,          ///< closer to one than the radius
+  kLostToGrid,        ///< farther away, but its whole unit cube is not
+  kUnknown,           ///< never observed, or too close to such space under policy `occupied`
+  kLeftOut,           ///< by coarsening, as a sliver, or too close to an obstacle beyond the map's bounds
+  kUnknownOrLeftOut,  ///< one of the two: the blob does not tell
 };
-const char* describe(NotFree reason);  ///< "outside the map", "occupied", "too close to an obstacle", "unknown space"
+/// "outside the map", "occupied", "too close to an obstacle", "unknown space" and so on.
+const char* describe(NotFree reason);
 
 struct NotFreeReason {
   NotFree reason;

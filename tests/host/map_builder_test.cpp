@@ -358,6 +358,31 @@ TEST(Obstacles, ComeBackAsTheOccupiedVoxelsAndNothingElse) {
   }
 }
 
+TEST(Obstacles, TellWhyAPointFartherAwayThanTheRadiusIsNotFree) {
+  const auto reason = [](const SmallWorld& world, const MapBuildOptions& options, const Vector3& p) {
+    const Built built = build(world, options);
+    EXPECT_FALSE(built.view.locate(p).has_value());
+    return why_not_free(built.view, *obstacle_boxes(built.view), p).reason;
+  };
+  MapBuildOptions options;
+  options.radius = 1.2;  // units of a whole voxel: a flat wall keeps 2
+  EXPECT_EQ(reason(world_of({{"#...."}}), options, {2.5, 0.5, 0.5}), NotFree::kLostToGrid);
+  EXPECT_EQ(reason(world_of({{"#...."}}), options, {2.1, 0.5, 0.5}), NotFree::kTooClose);
+  EXPECT_EQ(reason(world_of({{"#..?."}}), options, {3.5, 0.5, 0.5}), NotFree::kUnknown);
+
+  options.radius = 0;
+  options.coarsen = 2;
+  const SmallWorld world = world_of({{"....#...", "........"}, {"........", "........"}});
+  EXPECT_EQ(reason(world, options, {5.5, 1.5, 1.5}), NotFree::kUnknownOrLeftOut);
+  options.unknown = UnknownPolicy::kFree;
+  EXPECT_EQ(reason(world, options, {5.5, 1.5, 1.5}), NotFree::kLeftOut);
+
+  options.radius = 2;
+  options.coarsen = 1;
+  options.bounds = {1, 0, 0, 9, 1, 1};  // the obstacle lies beyond
+  EXPECT_EQ(reason(world_of({{"#........"}}), options, {2.5, 0.5, 0.5}), NotFree::kLeftOut);
+}
+
 TEST(Obstacles, TellWhyAPointIsNotFree) {
   const SmallWorld world = world_of({{"#...???."}});
   MapBuildOptions options;
