@@ -104,15 +104,16 @@ void print_row(const char* name, const std::string& value) { std::fprintf(stderr
 std::string advice_on_pieces(const MapReport& report) {
   const std::string pieces =
       "only " + to_text(100 * report.largest_component, 1) + " % of the free space hangs together";
-  if (report.alternatives.empty()) return pieces + "; 'swiftlet map build' says what would connect it";
-  const Alternative& last = report.alternatives.back();
+  if (!report.alternatives) return pieces + "; 'swiftlet map build' tries what would connect it";
+  if (report.alternatives->empty()) return pieces + "; no option is left that could connect it";
+  const Alternative& last = report.alternatives->back();
   if (last.largest_component >= kGoodShare) {
     const bool trusts = last.option == "--unknown free";
     return pieces + "; with " + last.option + " it is " + to_text(100 * last.largest_component, 1) + " %" +
            (trusts ? ", for where unseen space is safe" : "");
   }
   std::string tried;
-  for (const Alternative& other : report.alternatives) {
+  for (const Alternative& other : *report.alternatives) {
     tried += (tried.empty() ? "" : ", ") + other.option + " (" + to_text(100 * other.largest_component, 1) + " %)";
   }
   return pieces + "; tried without connecting 90 %: " + tried;

@@ -39,7 +39,9 @@ std::string describe_component(const BoxGraphView& graph, std::optional<CellInde
     whole += share;
     if (graph.component(other) == label) part += share;
   }
-  return "component " + std::to_string(label) + " (" + to_text(100 * part / whole, 1) + " % of the free space)";
+  const std::string share = " (" + to_text(100 * part / whole, 1) + " % of the free space";
+  if (label == kMostComponentLabels - 1) return "one of the smallest components" + share + " together)";
+  return "component " + std::to_string(label) + share + ")";
 }
 
 }  // namespace

@@ -281,14 +281,14 @@ class Audit {
       if (i % 1024 == 0) progress_("verify: windows", static_cast<double>(i) / static_cast<double>(count));
     }
 
-    constexpr std::size_t kLastLabel = 65'534;  // stands for all components from there on
     std::vector<bool> reached(count);
     std::vector<bool> label_used(header_.component_count);
     std::vector<CellIndex> stack;
     for (std::size_t seed = 0; seed < count; ++seed) {
       if (reached[seed]) continue;
       const std::uint16_t label = view_.component(static_cast<CellIndex>(seed));
-      if (label_used[label] && label != kLastLabel) defect("component %u is not connected", unsigned{label});
+      if (label_used[label] && label != kMostComponentLabels - 1)
+        defect("component %u is not connected", unsigned{label});
       label_used[label] = true;
       reached[seed] = true;
       stack.push_back(static_cast<CellIndex>(seed));

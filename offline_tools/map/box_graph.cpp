@@ -141,12 +141,11 @@ std::vector<std::uint16_t> label_components(const std::vector<GridBox>& cells,
   std::sort(roots.begin(), roots.end(), [&](std::uint32_t a, std::uint32_t b) {
     return volumes[a] != volumes[b] ? volumes[a] > volumes[b] : a < b;
   });
-  constexpr std::size_t kMaxLabels = 65'535;
   std::vector<std::uint16_t> label_of_root(cells.size());
   for (std::size_t i = 0; i < roots.size(); ++i) {
-    label_of_root[roots[i]] = static_cast<std::uint16_t>(std::min(i, kMaxLabels - 1));
+    label_of_root[roots[i]] = static_cast<std::uint16_t>(std::min<std::size_t>(i, kMostComponentLabels - 1));
   }
-  component_count = static_cast<std::uint32_t>(std::min(roots.size(), kMaxLabels));
+  component_count = static_cast<std::uint32_t>(std::min<std::size_t>(roots.size(), kMostComponentLabels));
   std::vector<std::uint16_t> labels(cells.size());
   for (std::uint32_t i = 0; i < cells.size(); ++i) labels[i] = label_of_root[root(i)];
   return labels;

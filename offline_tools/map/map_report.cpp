@@ -31,6 +31,39 @@ std::uint64_t units_in(const IntBox& box) {
   return product;
 }
 
+struct Component {
+  std::uint64_t units = 0;  ///< volume [unit^3]
+  CellIndex largest_cell{};
+};
+
+/// By floods over the neighbours, since labels run out.
+std::vector<Component> components_of(const BoxGraphView& view) {
+  std::vector<Component> components;
+  std::vector<bool> reached(view.cell_count());
+  std::vector<CellIndex> stack;
+  for (std::size_t seed = 0; seed < view.cell_count(); ++seed) {
+    if (reached[seed]) continue;
+    reached[seed] = true;
+    stack.push_back(static_cast<CellIndex>(seed));
+    Component component{0, stack.back()};
+    while (!stack.empty()) {
+      const CellIndex cell = stack.back();
+      stack.pop_back();
+      const std::uint64_t units = units_in(view.cell(cell));
+      const std::uint64_t most = units_in(view.cell(component.largest_cell));
+      component.units += units;
+      if (units > most || (units == most && cell < component.largest_cell)) component.largest_cell = cell;
+      for (const CellIndex next : view.neighbours(cell)) {
+        if (reached[to_size(next)]) continue;
+        reached[to_size(next)] = true;
+        stack.push_back(next);
+      }
+    }
+    components.push_back(component);
+  }
+  return components;
+}
+
 std::size_t landmark_bytes(const BoxGraphView& view) {
   std::size_t directed = 0;  // windows of the largest component, from both sides
   for (std::size_t i = 0; i < view.cell_count(); ++i) {
@@ -94,15 +127,12 @@ MapReport map_info(const BoxGraphView& view) {
   report.lost_to_coarsening = unit_volume * static_cast<double>(header.lost_to_coarsening);
   report.lost_to_slivers = unit_volume * static_cast<double>(header.lost_to_slivers);
   report.worst_loss = std::sqrt(3.0) * view.unit();
-  report.components = header.component_count;
   report.boards = fit_to_boards(report.blob_bytes, report.windows);
 
   std::uint64_t free_units = 0;
-  std::vector<std::uint64_t> component_units(header.component_count);
   for (std::size_t i = 0; i < view.cell_count(); ++i) {
     const auto cell = static_cast<CellIndex>(i);
     free_units += units_in(view.cell(cell));
-    component_units[view.component(cell)] += units_in(view.cell(cell));
     report.degree_max = std::max(report.degree_max, view.neighbours(cell).size());
   }
   report.landmarks = header.landmark_count;
@@ -110,21 +140,17 @@ MapReport map_info(const BoxGraphView& view) {
   report.section_bytes[static_cast<std::size_t>(BlobSection::kRecords)] -= report.landmark_bytes;
   report.searched_over_centres = header.search_points == static_cast<std::uint32_t>(SearchPoints::kCentres);
   report.free_volume = unit_volume * static_cast<double>(free_units);
-  if (free_units == 0) return report;
+  const std::vector<Component> components = components_of(view);
+  report.components = components.size();
+  if (components.empty()) return report;
 
-  const auto largest = std::max_element(component_units.begin(), component_units.end());
-  report.largest_component = static_cast<double>(*largest) / static_cast<double>(free_units);
-  std::uint64_t largest_cell = 0;
-  for (std::size_t i = 0; i < view.cell_count(); ++i) {
-    const auto cell = static_cast<CellIndex>(i);
-    if (view.component(cell) != largest - component_units.begin() || units_in(view.cell(cell)) <= largest_cell)
-      continue;
-    largest_cell = units_in(view.cell(cell));
-    const Box box = view.to_world(view.cell(cell));
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto row = static_cast<Eigen::Index>(axis);
-      report.largest_component_point[axis] = (box.lo[row] + box.hi[row]) / 2;
-    }
+  const Component& largest = *std::max_element(
+      components.begin(), components.end(), [](const Component& a, const Component& b) { return a.units < b.units; });
+  report.largest_component = static_cast<double>(largest.units) / static_cast<double>(free_units);
+  const Box box = view.to_world(view.cell(largest.largest_cell));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto row = static_cast<Eigen::Index>(axis);
+    report.largest_component_point[axis] = (box.lo[row] + box.hi[row]) / 2;
   }
   return report;
 }
@@ -142,7 +168,7 @@ nlohmann::ordered_json map_report_json(const MapReport& report) {
   const double degree_mean =
       report.cells == 0 ? 0 : 2 * static_cast<double>(report.windows) / static_cast<double>(report.cells);
   nlohmann::ordered_json alternatives = nlohmann::ordered_json::array();
-  for (const Alternative& other : report.alternatives) {
+  for (const Alternative& other : report.alternatives.value_or(std::vector<Alternative>{})) {
     alternatives.push_back({{"option", other.option}, {"largest_component", other.largest_component}});
   }
   return {{"format", "swiftlet-map/1"},

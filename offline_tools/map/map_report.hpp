@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,10 +45,10 @@ struct MapReport {
   double worst_loss =
       0;  ///< a free point farther than radius + this from all obstacles is in a cell (before coarsening and slivers)
   std::size_t components = 0;
-  double largest_component = 0;                     ///< share of the free volume, 0 to 1
-  std::array<double, 3> largest_component_point{};  ///< a free point of it; zero without cells
-  std::vector<BoardFit> boards;                     ///< which of them can hold the map
-  std::vector<Alternative> alternatives;            ///< tried on a map in pieces while its source was at hand
+  double largest_component = 0;                          ///< share of the free volume, 0 to 1
+  std::array<double, 3> largest_component_point{};       ///< a free point of it; zero without cells
+  std::vector<BoardFit> boards;                          ///< which of them can hold the map
+  std::optional<std::vector<Alternative>> alternatives;  ///< tried on a map in pieces, where its source was at hand
 };
 
 /// Everything that the blob alone can tell.

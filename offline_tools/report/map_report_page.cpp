@@ -35,7 +35,8 @@ std::vector<Component> components_of(const BoxGraphView& graph) {
     component.cells += 1;
     component.volume += volume(graph.cell(cell));
   }
-  std::stable_sort(components.begin(), components.end(),
+  const bool pooled = components.size() == kMostComponentLabels;  // its last one is many and stays behind
+  std::stable_sort(components.begin(), components.end() - (pooled ? 1 : 0),
                    [](const Component& a, const Component& b) { return a.volume > b.volume; });
   return components;
 }

@@ -228,6 +228,20 @@ TEST(MapBuilder, TreatsUnknownSpaceAsThePolicySays) {
   EXPECT_EQ(occupied.map.report.lost_to_unknown, 3);
 }
 
+TEST(MapBuilder, CountsComponentsBeyondTheLabels) {
+  SmallWorld world{{82, 82, 82}, 1, {}};  // 41^3 free voxels, none beside another
+  for (int z = 0; z < 82; ++z) {
+    for (int y = 0; y < 82; ++y) {
+      for (int x = 0; x < 82; ++x) world.voxels.push_back((x | y | z) % 2 == 0 ? Known::kFree : Known::kUnknown);
+    }
+  }
+  const Built built = build(world, {});
+  EXPECT_EQ(built.view.header().component_count, kMostComponentLabels);
+  EXPECT_EQ(built.map.report.cells, 68'921U);
+  EXPECT_EQ(built.map.report.components, 68'921U);
+  EXPECT_NEAR(built.map.report.largest_component, 1.0 / 68'921, 1e-12);
+}
+
 TEST(MapBuilder, AMapWithoutFreeSpaceIsStillABlob) {
   MapBuildOptions options;
   options.radius = 0.5;

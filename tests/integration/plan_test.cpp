@@ -302,10 +302,18 @@ TEST_F(Program, MapReportsAgreeBetweenBuildAndInfo) {
   EXPECT_EQ(built["boards"], info["boards"]);
   EXPECT_EQ(built["alternatives"].size(), 2U);  // a wall parts the rooms whatever the policy
   EXPECT_EQ(info["alternatives"].size(), 0U);
-  EXPECT_NE(run.err.find("'swiftlet map build' says what would connect it"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("'swiftlet map build' tries what would connect it"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("mps2-an500"), std::string::npos);
   EXPECT_EQ(built["crc32"], info["crc32"]);
   EXPECT_EQ(built["crc32"], planned(kLeft, kLeftToo)["map"]["crc32"]);
+}
+
+TEST_F(Program, AMapInPiecesThatNoOptionJoinsSaysSo) {
+  const Outcome run = swiftlet(
+      {"map", "build", path("rooms.bt"), "-o", path("open.swm"), "--radius", "0", "--unknown", "free", "--no-verify"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("no option is left that could connect it"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("map build"), std::string::npos) << run.err;
 }
 
 TEST_F(Program, MapVerifyPassesEveryMapThatBuildMakes) {

@@ -15,6 +15,9 @@ inline constexpr std::size_t kCellsPerIndexLeaf = 8;
 /// Most landmark distances of a window.
 inline constexpr std::size_t kMostLandmarks = 32;
 
+/// Most component labels; with so many, the last one stands for all the rest.
+inline constexpr std::uint32_t kMostComponentLabels = 65'535;
+
 /// Where the default search sees a window (SearchMode); the builder measures which serves the map better.
 enum class SearchPoints : std::uint32_t { kLine = 0, kCentres = 1 };
 
