@@ -9,13 +9,6 @@
 namespace swiftlet::tools {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
 double finite_number(const std::string& name, std::string_view text, const NumberRange& range) {
   const std::optional<double> number = parse_number(text);
   if (!number || !std::isfinite(*number)) {
@@ -30,6 +23,13 @@ double finite_number(const std::string& name, std::string_view text, const Numbe
 }
 
 }  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
 
 std::optional<double> parse_number(std::string_view text) {
   text = trimmed(text);

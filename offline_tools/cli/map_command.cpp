@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,6 +15,7 @@
 #include "cli/json.hpp"
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
+#include "cli/progress_line.hpp"
 #include "map/alternatives.hpp"
 #include "map/audit.hpp"
 #include "map/landmarks.hpp"
@@ -69,33 +68,6 @@ struct ImportCommand {
   std::string out;
   double resolution = 0;
   bool origin_rays = false;
-};
-
-/// A bar on one line that is written over, on a terminal, and gone with this object; nothing elsewhere.
-class ProgressLine {
- public:
-  ProgressLine() = default;
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
-  ~ProgressLine() {
-    if (shown_) std::fprintf(stderr, "\r\033[K");
-  }
-  void show(std::string_view stage, double done) {
-    const int percent = static_cast<int>(100 * std::clamp(done, 0.0, 1.0));
-    if (!terminal_ || (stage == stage_ && percent == percent_)) return;
-    stage_ = stage;
-    percent_ = percent;
-    shown_ = true;
-    const std::string bar(static_cast<std::size_t>(percent / 5), '#');
-    std::fprintf(stderr, "\r\033[K%-22s [%-20s] %3d %%", stage_.c_str(), bar.c_str(), percent);
-    std::fflush(stderr);
-  }
-
- private:
-  bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  bool shown_ = false;
-  std::string stage_;
-  int percent_ = 0;
 };
 
 void print_row(const char* name, const std::string& value) { std::fprintf(stderr, "%-14s %s\n", name, value.c_str()); }

@@ -12,6 +12,7 @@
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "cli/plan_document.hpp"
+#include "cli/progress_line.hpp"
 #include "cli/query_file.hpp"
 #include "cli/stopwatch.hpp"
 #include "cli/vehicle_file.hpp"
@@ -170,12 +171,15 @@ ExitStatus plan_many(const PlanOptions& options) {
   const MapFile map = load_map(options.map);
   Obstacles obstacles(map);
   LineOutput output(options.jsonl);
+  ProgressLine line(options.jsonl != kStandardOutput);
+  std::size_t answered = 0;
   for (const Query& query : queries) {
     PlanRequest request = options.request;
     request.start.position = query.start;
     request.goal.position = query.goal;
     const TimedPlan timed = run_planner(map, obstacles, request);
     output.write_line(dump(plan_document(map, request, *timed.plan, timed.times, timed.reason)));
+    line.show("plan", static_cast<double>(++answered) / static_cast<double>(queries.size()));
   }
   output.close();
   return ExitStatus::kDone;

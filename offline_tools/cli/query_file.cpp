@@ -16,6 +16,22 @@ constexpr std::array<std::string_view, 6> kColumns{"x0", "y0", "z0", "x1", "y1",
 /// Where a fault lies: "file:line: ".
 std::string place(const std::string& path, std::size_t line) { return path + ":" + std::to_string(line) + ": "; }
 
+/// The fields of a row; a comma between double quotes parts none. Quotes around a field are taken off.
+std::vector<std::string_view> split_row(std::string_view row) {
+  std::vector<std::string_view> fields;
+  bool quoted = false;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i <= row.size(); ++i) {
+    if (i < row.size() && row[i] == '"') quoted = !quoted;
+    if (i < row.size() && (row[i] != ',' || quoted)) continue;
+    std::string_view field = trimmed(row.substr(begin, i - begin));
+    if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
+    fields.push_back(field);
+    begin = i + 1;
+  }
+  return fields;
+}
+
 std::array<std::size_t, 6> find_columns(const std::string& where, const std::vector<std::string_view>& header) {
   std::array<std::size_t, 6> columns{};
   for (std::size_t i = 0; i < kColumns.size(); ++i) {
@@ -63,7 +79,7 @@ std::vector<Query> load_queries(const std::string& path) {
     const std::size_t end = text.find('\n');
     const std::string_view row = text.substr(0, end);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    const std::vector<std::string_view> fields = split_at_commas(row);
+    const std::vector<std::string_view> fields = split_row(row);
     if (fields.size() == 1 && fields[0].empty()) continue;
     if (width == 0) {
       columns = find_columns(place(path, line), fields);

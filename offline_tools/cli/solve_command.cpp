@@ -9,6 +9,7 @@
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
 #include "cli/plan_document.hpp"
+#include "cli/progress_line.hpp"
 #include "cli/stopwatch.hpp"
 #include "swiftlet/certificate.hpp"
 #include "swiftlet/trajectory_generator.hpp"
@@ -152,11 +153,14 @@ ExitStatus solve_many(const SolveOptions& options) {
   check_outputs({options.jsonl}, {options.many});
   const std::vector<TrajectoryCase> problems = load_cases(options.many);
   LineOutput output(options.jsonl);
+  ProgressLine line(options.jsonl != kStandardOutput);
+  std::size_t solved = 0;
   std::string unanswered;  // the first such case
   for (const TrajectoryCase& problem : problems) {
     const CaseAnswer answer = solve_case(problem);
     if (!is_answered(answer.status) && unanswered.empty()) unanswered = describe_unanswered(problem, answer);
     output.write_line(dump(case_document(problem, answer)));
+    line.show("solve", static_cast<double>(++solved) / static_cast<double>(problems.size()));
   }
   output.close();
   if (!unanswered.empty()) throw Failure{ExitStatus::kInternal, unanswered};

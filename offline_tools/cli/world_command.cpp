@@ -8,6 +8,7 @@
 #include "cli/arguments.hpp"
 #include "cli/commands.hpp"
 #include "cli/output.hpp"
+#include "cli/progress_line.hpp"
 #include "world/worlds.hpp"
 
 namespace swiftlet::tools {
@@ -41,10 +42,14 @@ World make_world(const WorldOptions& options) {
 
 ExitStatus run_world(const WorldOptions& options) {
   check_outputs({options.out, options.query}, {});
+  ProgressLine line;
+  line.show("world", 0);
   const World world = make_world(options);
   write_output(options.out, to_bt(world.grid));
   if (!options.query.empty()) {
-    write_output(options.query, queries_csv(world, make_queries(world, options.seed, kQueryCount)));
+    const auto queries =
+        make_queries(world, options.seed, kQueryCount, [&](double done) { line.show("queries", done); });
+    write_output(options.query, queries_csv(world, queries));
   }
   return ExitStatus::kDone;
 }

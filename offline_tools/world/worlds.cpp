@@ -260,7 +260,8 @@ std::vector<std::uint8_t> roomy_voxels(const VoxelGrid& grid, double radius) {
   return largest_component(grid, voxels_with_clearance(grid, radius + rounding));
 }
 
-std::vector<WorldQuery> make_queries(const World& world, std::uint64_t seed, std::size_t count) {
+std::vector<WorldQuery> make_queries(const World& world, std::uint64_t seed, std::size_t count,
+                                     const std::function<void(double)>& progress) {
   const std::vector<std::uint8_t> roomy = roomy_voxels(world.grid, world.radius);
   std::vector<Voxel> ends;
   for (std::size_t i = 0; i < roomy.size(); ++i) {
@@ -284,6 +285,7 @@ std::vector<WorldQuery> make_queries(const World& world, std::uint64_t seed, std
     const Voxel start = ends[random.below(ends.size())];
     const Voxel goal = ends[random.below(ends.size())];
     if (distance(start, goal) >= shortest_allowed) add(start, goal);
+    progress(static_cast<double>(queries.size()) / static_cast<double>(count));
   }
   return queries;
 }

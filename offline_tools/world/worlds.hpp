@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -46,7 +47,10 @@ World make_forest(std::uint64_t seed);
 std::vector<std::uint8_t> roomy_voxels(const VoxelGrid& grid, double radius);
 
 /// `count` queries between roomy voxels at least a quarter of the world's diagonal apart, the main one first.
-std::vector<WorldQuery> make_queries(const World& world, std::uint64_t seed, std::size_t count);
+/// `progress` is told how much of them is done, 0 to 1.
+std::vector<WorldQuery> make_queries(
+    const World& world, std::uint64_t seed, std::size_t count,
+    const std::function<void(double)>& progress = [](double) {});
 
 /// CSV with the header x0,y0,z0,x1,y1,z1,euclid_m,astar_m; metres with three decimals.
 std::string queries_csv(const World& world, const std::vector<WorldQuery>& queries);

@@ -230,6 +230,49 @@ TEST_F(Program, ABatchAnswersEveryLineInOrderWhateverTheStatus) {
   EXPECT_EQ(std::count(on_terminal.out.begin(), on_terminal.out.end(), '\n'), 6);
 }
 
+TEST_F(Program, ABatchReadsOverQuotedFieldsOfOtherColumns) {
+  write_text(path("q.csv"),
+             "\"x0\",y0,z0,x1,y1,z1,note\n"
+             "-0.75,-0.75,0.5,0.55,0.55,0.5,\"there, and back\"\n"
+             "-0.75,-0.75,0.5,0.55,0.55,\"0.5\",\"said \"\"go\"\", went\"\n");
+  const Outcome run = plan({"--queries", path("q.csv"), "--jsonl", path("out.jsonl")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::vector<Json> plans = read_lines(path("out.jsonl"));
+  ASSERT_EQ(plans.size(), 2U);
+  for (const Json& json : plans) EXPECT_EQ(json["status"], "optimal");
+}
+
+TEST_F(Program, LongWorkShowsProgressOnATerminalAndTakesItAway) {
+  write_text(path("q.csv"), "x0,y0,z0,x1,y1,z1\n-0.75,-0.75,0.5,0.55,0.55,0.5\n");
+  const auto last_column = [](const Outcome& run) { return run.err.substr(run.err.rfind('\r') + 1); };
+  const std::vector<std::string> batch{"plan", path("rooms.swm"), "--queries", path("q.csv"), "--vmax",
+                                       "1",    "--amax",          "1",         "--jsonl",     path("out.jsonl")};
+  const Outcome planned = swiftlet_on_terminal(batch);
+  EXPECT_EQ(planned.status, 0) << planned.err;
+  EXPECT_NE(planned.err.find("plan "), std::string::npos) << planned.err;
+  EXPECT_NE(planned.err.find("100 %"), std::string::npos) << planned.err;
+  EXPECT_EQ(last_column(planned), "\033[K");
+  const Outcome world =
+      swiftlet_on_terminal({"world", "classroom", "--seed", "1", "-o", path("w.bt"), "--query", path("w.csv")});
+  EXPECT_NE(world.err.find("queries "), std::string::npos) << world.err;
+  EXPECT_NE(world.err.find(" 50 %"), std::string::npos) << world.err;
+  EXPECT_EQ(last_column(world), "\033[K");
+  EXPECT_EQ(swiftlet(batch).err, "");
+}
+
+TEST_F(Program, MapShowWritesAPageOfTheMap) {
+  ASSERT_EQ(swiftlet({"map", "show", path("rooms.swm"), "--report", path("map.html")}).status, 0);
+  const std::string page = read_text(path("map.html"));
+  EXPECT_TRUE(page.starts_with("<!doctype html>")) << page.substr(0, 40);
+  const std::string crc = Json::parse(read_text(path("map.json")))["crc32"].get<std::string>();
+  EXPECT_NE(page.find(crc), std::string::npos);
+  EXPECT_NE(page.find("tries what would connect it"), std::string::npos);
+  EXPECT_TRUE(refused(swiftlet({"map", "show", path("none.swm"), "--report", path("no.html")}), 3, {"none.swm"}));
+  EXPECT_TRUE(refused(swiftlet({"map", "show", path("rooms.swm")}), 2, {"--report"}));
+  EXPECT_TRUE(refused(swiftlet({"map", "show", path("rooms.swm"), "--report", path("rooms.swm")}), 2, {"input"}));
+  EXPECT_FALSE(std::filesystem::exists(path("no.html")));
+}
+
 TEST_F(Program, AMovingStartKeepsItsVelocityOrIsInfeasibleWithTheBlockingBound) {
   const Json moving = planned(kLeft, kLeftToo, {"--start-velocity", "0.4,0.2,0"});
   ASSERT_EQ(moving["status"], "optimal");
@@ -413,6 +456,7 @@ TEST_F(Program, HelpAndVersionWorkEverywhere) {
                                                                                        {"map"},
                                                                                        {"map", "build"},
                                                                                        {"map", "info"},
+                                                                                       {"map", "show"},
                                                                                        {"map", "verify"},
                                                                                        {"map", "import"},
                                                                                        {"plan"},

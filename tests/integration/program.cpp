@@ -1,10 +1,12 @@
 #include "program.hpp"
 
 #include <fcntl.h>
+#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -24,33 +26,60 @@ void send_to(const std::string& path, int descriptor) {
   ::close(file);
 }
 
-}  // namespace
-
-Outcome run_program(const std::string& program, const std::vector<std::string>& arguments) {
-  const std::filesystem::path folder = make_folder();
-  const std::string out = folder / "out";
-  const std::string err = folder / "err";
+/// Starts a program; `connect` sets up its standard streams.
+template <typename Connect>
+pid_t start(const std::string& program, const std::vector<std::string>& arguments, const Connect& connect) {
   std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-
   const pid_t child = ::fork();
-  if (child == 0) {
-    send_to(out, STDOUT_FILENO);
-    send_to(err, STDERR_FILENO);
-    ::execvp(argv[0], argv.data());
-    ::_exit(127);
-  }
+  if (child != 0) return child;
+  connect();
+  ::execvp(argv[0], argv.data());
+  ::_exit(127);
+}
+
+/// Exit status, or minus the signal that ended it.
+int wait_for(pid_t child) {
   int state = 0;
   ::waitpid(child, &state, 0);
+  return WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
+}
+
+}  // namespace
+
+Outcome run_program(const std::string& program, const std::vector<std::string>& arguments) {
+  const std::filesystem::path folder = make_folder();
+  const std::string out = folder / "out";
+  const std::string err = folder / "err";
+  const pid_t child = start(program, arguments, [&] {
+    send_to(out, STDOUT_FILENO);
+    send_to(err, STDERR_FILENO);
+  });
   Outcome run;
-  run.status = WIFEXITED(state) ? WEXITSTATUS(state) : -WTERMSIG(state);
+  run.status = wait_for(child);
   run.out = read_text(out);
   run.err = read_text(err);
   std::filesystem::remove_all(folder);
+  return run;
+}
+
+Outcome swiftlet_on_terminal(const std::vector<std::string>& arguments) {
+  int ours = -1;
+  int theirs = -1;
+  if (::openpty(&ours, &theirs, nullptr, nullptr, nullptr) != 0) throw std::runtime_error("no terminal");
+  const pid_t child = start(SWIFTLET_PROGRAM, arguments, [&] { ::dup2(theirs, STDERR_FILENO); });
+  ::close(theirs);
+  Outcome run;
+  std::array<char, 4096> buffer{};
+  for (ssize_t size = 0; (size = ::read(ours, buffer.data(), buffer.size())) > 0;) {  // fails when the child has ended
+    run.err.append(buffer.data(), static_cast<std::size_t>(size));
+  }
+  ::close(ours);
+  run.status = wait_for(child);
   return run;
 }
 

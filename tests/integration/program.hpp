@@ -19,6 +19,8 @@ struct Outcome {
 
 /// Runs the program `swiftlet` of this build with these arguments.
 Outcome swiftlet(const std::vector<std::string>& arguments);
+/// The same with standard error on a terminal: `err` is all that was sent there.
+Outcome swiftlet_on_terminal(const std::vector<std::string>& arguments);
 /// Runs any program, found by path or by name.
 Outcome run_program(const std::string& program, const std::vector<std::string>& arguments);
 
