@@ -117,6 +117,16 @@ std::string describe_fit(const BoardFit& board, std::size_t blob_bytes) {
                                  : "every window");
 }
 
+/// "cells 96, record_offsets 32, ...": the blob's bytes.
+std::string describe_sections(const MapReport& report) {
+  const Json json = map_report_json(report);
+  std::string text;
+  for (const auto& [name, bytes] : json["section_bytes"].items()) {
+    text += (text.empty() ? "" : ", ") + name + " " + dump(bytes);
+  }
+  return text;
+}
+
 /// The short table for people.
 void print_report(const MapReport& report) {
   const auto& b = report.bounds;
@@ -125,8 +135,12 @@ void print_report(const MapReport& report) {
   print_row("bounds", "(" + to_text({b[0], b[1], b[2]}) + ") to (" + to_text({b[3], b[4], b[5]}) + ") m");
   print_row("resolution", to_text(report.resolution, 3) + " m, stored in steps of " + to_text(report.unit, 4) + " m");
   print_row("vehicle", "radius " + to_text(report.radius, 3) + " m, unknown space: " + describe(report.unknown));
-  print_row("cells", std::to_string(report.cells) + ", joined by " + std::to_string(report.windows) + " windows");
+  const double degree =
+      report.cells == 0 ? 0 : 2.0 * static_cast<double>(report.windows) / static_cast<double>(report.cells);
+  print_row("cells", std::to_string(report.cells) + ", joined by " + std::to_string(report.windows) + " windows, " +
+                         to_text(degree, 1) + " a cell, " + std::to_string(report.degree_max) + " at most");
   print_row("blob", std::to_string(report.blob_bytes) + " bytes, crc32 " + report.crc32);
+  print_row("bytes", describe_sections(report));
   print_row("search",
             std::to_string(report.landmarks) + " landmarks, " + std::to_string(report.landmark_bytes) +
                 " bytes; by default over " +
@@ -135,6 +149,7 @@ void print_report(const MapReport& report) {
                         " to inflation, " + to_text(report.lost_to_unknown, 2) + " to unknown space, " +
                         to_text(report.lost_to_coarsening, 2) + " to coarsening, " +
                         to_text(report.lost_to_slivers, 2) + " to slivers");
+  print_row("worst loss", "free points within " + to_text(report.radius + report.worst_loss, 3) + " m of an obstacle");
   print_row("components", std::to_string(report.components));
   if (report.cells > 0) {
     print_row("largest", to_text(100 * report.largest_component, 1) + " % of the free space, around (" +
@@ -142,6 +157,9 @@ void print_report(const MapReport& report) {
   }
   for (const BoardFit& board : report.boards) print_row(board.name.c_str(), describe_fit(board, report.blob_bytes));
   if (const std::string note = note_on(report); !note.empty()) print_row("note", note);
+  if (report.landmarks_too_far) {
+    print_row("note", "no landmarks: a way is longer than 32,767 steps of " + to_text(report.unit, 4) + " m");
+  }
 }
 
 AuditReport audit(const BoxGraphView& graph, const VoxelMap& source) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
+#include <span>
 
 #include "cli/arguments.hpp"
 #include "cli/failure.hpp"
@@ -23,6 +24,14 @@ const char* advice(Status status) {
     default:
       return "copy it again or build it again with 'swiftlet map build'";
   }
+}
+
+/// " (1000 of 1234 bytes)" of a blob cut short behind its header.
+std::string size_of(Status status, std::span<const std::byte> bytes) {
+  if (status != Status::kBlobTruncated || bytes.size() < sizeof(BlobHeader)) return "";
+  BlobHeader header{};
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  return " (" + std::to_string(bytes.size()) + " of " + std::to_string(header.blob_bytes) + " bytes)";
 }
 
 double volume(const Box& box) { return (box.hi - box.lo).prod(); }
@@ -55,7 +64,8 @@ MapFile load_map(const std::string& path) {
     const bool has_magic = map.bytes.size() >= kBlobMagic.size() &&
                            std::memcmp(map.bytes.data(), kBlobMagic.data(), kBlobMagic.size()) == 0;
     const Status status = has_magic ? graph.status() : Status::kBlobWrongMagic;
-    throw Failure{ExitStatus::kBadFile, path + ": " + describe(status) + "; " + advice(status)};
+    throw Failure{ExitStatus::kBadFile,
+                  path + ": " + describe(status) + size_of(status, map.bytes) + "; " + advice(status)};
   }
   map.graph = *graph;
   return map;

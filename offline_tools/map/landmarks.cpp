@@ -335,7 +335,9 @@ LandmarkTable choose_landmarks(const std::vector<GridBox>& cells,
   while (table.shift < kMostShift && std::ldexp(longest, static_cast<int>(table.shift) + 1) < kLongest) {
     ++table.shift;
   }
-  if (distances.empty() || table.shift == 0) return {};
+  if (distances.empty()) return {};
+  table.too_far = table.shift == 0;
+  if (table.too_far) return table;
   table.count = static_cast<std::uint32_t>(distances.size());
   table.distances.reserve(graph.size() * distances.size());
   for (std::size_t window = 0; window < graph.size(); ++window) {

@@ -19,6 +19,7 @@ struct LandmarkTable {
   std::uint32_t count = 0;               ///< landmarks
   std::uint32_t shift = 0;               ///< distances are multiples of unit / 2^shift, to the nearest
   std::vector<std::uint16_t> distances;  ///< `count` for each window of component 0, in the order of the windows
+  bool too_far = false;                  ///< none, because a distance passes 32,767 units
 };
 
 /// Chooses up to `count` landmarks: of 64 candidates, far from each other or behind what those before them bound badly,

@@ -244,6 +244,7 @@ Expected<BuiltMap> build_map(const VoxelMap& map, const std::string& source, con
   }
   built.report = map_info(*view);
   built.report.source = source;
+  built.report.landmarks_too_far = landmarks.too_far;
   return built;
 }
 

@@ -36,6 +36,7 @@ struct MapReport {
   std::size_t landmarks = 0;                                   ///< distances stored with each window of the largest
                                                                ///< component
   std::size_t landmark_bytes = 0;
+  bool landmarks_too_far = false;  ///< none, because ways are too long for the blob's integers; known to the builder
   bool searched_over_centres = false;  ///< the default search sees windows at their centres and uses the landmarks
   double free_volume = 0;              ///< [m^3]
   double lost_to_inflation = 0;        ///< [m^3] known free space too close to obstacles

@@ -65,6 +65,8 @@ class NodeReader {
     return {};
   }
 
+  [[nodiscard]] std::size_t used() const { return used_; }  ///< bytes that were read
+
  private:
   [[nodiscard]] unsigned byte(std::size_t i) const { return std::to_integer<unsigned>(bytes_[i]); }
 
@@ -188,7 +190,9 @@ Expected<VoxelMap> parse_octree(const std::string& name, std::span<const std::by
   constexpr std::size_t kColorBytes = 3;
   failure = header.binary ? reader.read_binary_node({0, 0, 0}, kOctreeDepth)
                           : reader.read_full_node({0, 0, 0}, kOctreeDepth, color ? kColorBytes : 0);
-  if (!failure.empty()) return refuse(failure + "; write or copy it again");
+  if (!failure.empty()) {
+    return refuse(failure + ", at byte " + std::to_string(header.nodes + reader.used()) + "; write or copy it again");
+  }
   fit_box(map);
   SHA256(reinterpret_cast<const unsigned char*>(file.data()), file.size(), map.source_digest.data());
   return map;

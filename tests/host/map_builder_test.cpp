@@ -294,6 +294,22 @@ TEST(MapBuilder, RefusesAMapBeyondItsIntegersAndSuggestsBounds) {
   EXPECT_FALSE(build_map(map, "wide.bt", options, [](std::string_view, double) {}).has_value());
 }
 
+TEST(MapBuilder, SaysWhenWaysAreTooLongForLandmarks) {
+  for (const std::uint16_t length : {std::uint16_t{30'000}, std::uint16_t{40'000}}) {
+    VoxelMap map;  // a corridor with a niche at each end
+    map.resolution = 0.1;
+    map.size = {length, 2, 1};
+    const auto last = static_cast<std::uint16_t>(length - 1);
+    for (std::uint16_t x = 0; x < length; ++x) map.leaves.push_back({{x, 0, 0}, 0, false});
+    map.leaves.push_back({{0, 1, 0}, 0, false});
+    map.leaves.push_back({{last, 1, 0}, 0, false});
+    const auto built = build_map(map, "long", {}, [](std::string_view, double) {});
+    ASSERT_TRUE(built.has_value()) << built.error().message;
+    EXPECT_EQ(built->report.landmarks_too_far, length > 32'767);
+    EXPECT_EQ(built->report.landmarks == 0, length > 32'767);
+  }
+}
+
 TEST(MapBuilder, TheSameMapGivesTheSameBytes) {
   std::mt19937 random(7);
   const SmallWorld world = random_world(random);

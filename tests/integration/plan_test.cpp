@@ -347,6 +347,12 @@ TEST_F(Program, MapReportsAgreeBetweenBuildAndInfo) {
   EXPECT_EQ(info["alternatives"].size(), 0U);
   EXPECT_NE(run.err.find("'swiftlet map build' tries what would connect it"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("mps2-an500"), std::string::npos);
+  const auto text = [](const Json& number) { return number.dump(); };
+  EXPECT_NE(run.err.find(text(info["degree"]["max"]) + " at most"), std::string::npos) << run.err;
+  for (const auto& [name, bytes] : info["section_bytes"].items()) {
+    EXPECT_NE(run.err.find(name + " " + text(bytes)), std::string::npos) << name;
+  }
+  EXPECT_NE(run.err.find("worst loss     free points within 0.323 m of an obstacle"), std::string::npos) << run.err;
   EXPECT_EQ(built["crc32"], info["crc32"]);
   EXPECT_EQ(built["crc32"], planned(kLeft, kLeftToo)["map"]["crc32"]);
 }
