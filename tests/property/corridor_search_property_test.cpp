@@ -47,9 +47,19 @@ std::vector<IntBox> random_cells(std::mt19937& random) {
   return boxes;
 }
 
-/// The paper's graph written down in full, both sides of every window, and relaxed until nothing changes.
-double shortest_by_relaxation(const std::vector<IntBox>& cells, std::size_t start_cell, const Eigen::Vector3d& start,
-                              std::size_t goal_cell, const Eigen::Vector3d& goal) {
+/// The point of a window that is nearest to where the straight line from start to goal passes its centre.
+Eigen::Vector3d point_on_line(const IntBox& window, const Eigen::Vector3d& start, const Eigen::Vector3d& goal) {
+  const Eigen::Vector3d lo(window.lo[0], window.lo[1], window.lo[2]);
+  const Eigen::Vector3d hi(window.hi[0], window.hi[1], window.hi[2]);
+  const Eigen::Vector3d along = goal - start;
+  const double squared = along.squaredNorm();
+  const double share = squared > 0 ? std::clamp(((lo + hi) / 2 - start).dot(along) / squared, 0.0, 1.0) : 0;
+  return (start + share * along).cwiseMax(lo).cwiseMin(hi);
+}
+
+/// A mode's graph written down in full, both sides of every window, and relaxed until nothing changes.
+double shortest_by_relaxation(const std::vector<IntBox>& cells, SearchPoints points, std::size_t start_cell,
+                              const Eigen::Vector3d& start, std::size_t goal_cell, const Eigen::Vector3d& goal) {
   struct Vertex {
     Eigen::Vector3d point;
     std::size_t a, b;
@@ -59,9 +69,9 @@ double shortest_by_relaxation(const std::vector<IntBox>& cells, std::size_t star
     for (std::size_t j = 0; j < i; ++j) {
       const IntBox window = intersection(cells[i], cells[j]);
       if (!is_passage(window)) continue;
-      vertices.push_back(
-          {Eigen::Vector3d(window.lo[0] + window.hi[0], window.lo[1] + window.hi[1], window.lo[2] + window.hi[2]) / 2,
-           i, j});
+      const Eigen::Vector3d centre =
+          Eigen::Vector3d(window.lo[0] + window.hi[0], window.lo[1] + window.hi[1], window.lo[2] + window.hi[2]) / 2;
+      vertices.push_back({points == SearchPoints::kCentres ? centre : point_on_line(window, start, goal), i, j});
     }
   }
   std::vector<double> cost(vertices.size(), std::numeric_limits<double>::infinity());
@@ -91,12 +101,12 @@ Vector3 random_point(const IntBox& box, std::mt19937& random) {
   return point;
 }
 
-TEST(CorridorSearchProperty, PlainAndLandmarksFindTheShortestPathOfThePaperAndWeightsKeepTheirBound) {
+TEST(CorridorSearchProperty, EveryModeFindsTheShortestPathOfItsGraphAndWeightsKeepTheirBound) {
   int paths = 0;
+  int line_differs = 0;
   int longer_by_weight = 0;
   std::uint64_t plain_expanded = 0;
   std::uint64_t landmarks_expanded = 0;
-  std::uint64_t unused = 0;
   swiftlet::test::SearchMemory<512> memory;
   for (int run = 0; run < swiftlet::test::kPropertyRuns; ++run) {
     SCOPED_TRACE("seed " + std::to_string(run));
@@ -111,7 +121,13 @@ TEST(CorridorSearchProperty, PlainAndLandmarksFindTheShortestPathOfThePaperAndWe
     const std::size_t to = random() % cells.size();
     const Vector3 start = random_point(cells[from], random);
     const Vector3 goal = random_point(cells[to], random);
-    const double shortest = shortest_by_relaxation(cells, from, start.cast<double>(), to, goal.cast<double>());
+    const auto shortest = [&](SearchPoints points) {
+      return shortest_by_relaxation(cells, points, from, start.cast<double>(), to, goal.cast<double>());
+    };
+    const double over_centres = shortest(SearchPoints::kCentres);
+    const bool on_line = run % 2 == 0 || graph->component(static_cast<CellIndex>(from)) != 0;  // others: no landmarks
+    const double by_default = on_line ? shortest(SearchPoints::kLine) : over_centres;
+    line_differs += by_default < over_centres * (1 - 1e-3) ? 1 : 0;
 
     std::vector<CellIndex> path(40);
     std::size_t length = 0;
@@ -122,33 +138,30 @@ TEST(CorridorSearchProperty, PlainAndLandmarksFindTheShortestPathOfThePaperAndWe
     };
     for (const SearchMode mode : {SearchMode::kPlain, SearchMode::kLandmarks, SearchMode::kDefault}) {
       const Status status = search({.mode = mode});
-      if (shortest == std::numeric_limits<double>::infinity()) {
+      if (over_centres == std::numeric_limits<double>::infinity()) {
         ASSERT_EQ(status, Status::kNoPath);
         continue;
       }
       ASSERT_EQ(status, Status::kOk);
-      if (mode != SearchMode::kDefault) {
-        ASSERT_NEAR(report.cost, shortest, 2e-6 * shortest);
-      }
-      (mode == SearchMode::kPlain       ? plain_expanded
-       : mode == SearchMode::kLandmarks ? landmarks_expanded
-                                        : unused) += report.expanded;
+      const double best = mode == SearchMode::kDefault ? by_default : over_centres;
+      ASSERT_NEAR(report.cost, best, 2e-6 * best);
+      if (mode == SearchMode::kPlain) plain_expanded += report.expanded;
+      if (mode == SearchMode::kLandmarks) landmarks_expanded += report.expanded;
       ASSERT_EQ(path[0], static_cast<CellIndex>(from));
       ASSERT_EQ(path[length - 1], static_cast<CellIndex>(to));
       for (std::size_t i = 0; i + 1 < length; ++i) {
         ASSERT_TRUE(is_passage(intersection(graph->cell(path[i]), graph->cell(path[i + 1]))));
       }
+      for (const Real weight : {Real(1.2), Real(2), Real(10)}) {
+        ASSERT_EQ(search({.mode = mode, .weight = weight}), Status::kOk);
+        ASSERT_LE(report.cost, static_cast<double>(weight) * best * (1 + 2e-6));
+        longer_by_weight += report.cost > best * (1 + 1e-4) ? 1 : 0;
+      }
     }
-    if (shortest == std::numeric_limits<double>::infinity()) continue;
-    ++paths;
-    for (const Real weight : {Real(1.2), Real(2), Real(10)}) {
-      ASSERT_EQ(search({.mode = run % 2 == 0 ? SearchMode::kPlain : SearchMode::kLandmarks, .weight = weight}),
-                Status::kOk);
-      ASSERT_LE(report.cost, static_cast<double>(weight) * shortest * (1 + 2e-6));
-      longer_by_weight += report.cost > shortest * (1 + 1e-4) ? 1 : 0;
-    }
+    if (over_centres < std::numeric_limits<double>::infinity()) ++paths;
   }
   EXPECT_GT(paths, swiftlet::test::kPropertyRuns / 2);
+  EXPECT_GT(line_differs, swiftlet::test::kPropertyRuns / 10);
   EXPECT_LT(landmarks_expanded, plain_expanded * 4 / 5);
   EXPECT_GT(longer_by_weight, 0) << "no weight ever mattered";
 }

@@ -203,14 +203,32 @@ TEST(CorridorSearch, TheMapSaysWhereTheDefaultSeesWindows) {
 
 TEST(CorridorSearch, LandmarkDistancesThatLieCostLengthOrRoomButNeverTheEnd) {
   SearchMemory<64> memory;
+  const Vector3 start{1, 3, 1};
+  const Vector3 goal{7, 3, 1};
+  TestBlob honest = ring();
+  honest.set_landmarks(4);
+  const Found truth = find(honest.view(), start, goal, {.mode = SearchMode::kLandmarks}, memory.scratch());
+  int lies_that_cost = 0;
   for (const std::uint16_t lie : {std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{0xFFFF}}) {
     TestBlob blob = ring();
     blob.set_landmarks(4);
     blob.set_every_second_distance(lie);
-    const Found found = find(blob.view(), {1, 3, 1}, {7, 1, 1}, {.mode = SearchMode::kLandmarks}, memory.scratch());
+    const Found found = find(blob.view(), start, goal, {.mode = SearchMode::kLandmarks}, memory.scratch());
     ASSERT_EQ(found.status, Status::kOk);
-    EXPECT_LE(found.report.expanded, 64);
+    EXPECT_LE(found.report.expanded, found.report.reached);  // no node twice
+    EXPECT_GE(found.report.cost, truth.report.cost - Real(kTolerance));
+    for (std::size_t i = 0; i + 1 < found.length; ++i) {
+      EXPECT_TRUE(is_passage(intersection(blob.view().cell(found.path[i]), blob.view().cell(found.path[i + 1]))));
+    }
+    const bool costs = found.report.cost > truth.report.cost || found.report.expanded > truth.report.expanded;
+    lies_that_cost += costs ? 1 : 0;
+    for (const std::size_t capacity : {std::size_t{1}, std::size_t{2}, std::size_t{3}}) {
+      const Found starved = find(blob.view(), start, goal, {.mode = SearchMode::kLandmarks}, memory.scratch(capacity));
+      EXPECT_LE(starved.report.reached, capacity);
+      EXPECT_TRUE(starved.status == Status::kSearchCapacity || starved.status == Status::kOk);
+    }
   }
+  EXPECT_GT(lies_that_cost, 0);
 }
 
 TEST(CorridorSearch, StartAndGoalOnWindowsAreFine) {
