@@ -82,7 +82,8 @@ class BoxGraphView {
 
   /// Validates size, header, CRC and every index, once: after it no call can leave the blob or loop without end. That
   /// cells are disjoint and free is the builder's promise (`swiftlet map verify`), not checked here. `blob` starts at
-  /// the header and may be longer than the blob, as a flash sector is. Cost: one pass over the blob.
+  /// the header and may be longer than the blob, as a flash sector is. Cost: one pass for the checksum, then one over
+  /// cells, records (which look up each neighbour's cell) and index.
   /// Errors: kBadRequest (not 8-byte aligned), kBlobTruncated, kBlobWrongMagic, kBlobWrongByteOrder, kBlobWrongVersion,
   /// kBlobDamaged, kBlobInconsistent.
   static Result<BoxGraphView> open(std::span<const std::byte> blob);
@@ -119,7 +120,7 @@ class BoxGraphView {
   /// The whole blob, header first.
   [[nodiscard]] std::span<const std::byte> bytes() const;
 
-  /// Corners in frame W [m]: origin + unit * i, the one place where integers become metres.
+  /// Corners in frame W [m]: origin + unit * i, the coordinates that `locate` compares with, too.
   [[nodiscard]] Box to_world(const IntBox& box) const;
 
   /// The cell that holds the point (closed boxes as `to_world` gives them; the lowest index when it lies on a shared
