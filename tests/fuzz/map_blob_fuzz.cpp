@@ -11,6 +11,8 @@
 #include "map/obstacles.hpp"
 #include "swiftlet/box_graph_view.hpp"
 #include "swiftlet/corridor_search.hpp"
+#include "swiftlet/planner.hpp"
+#include "swiftlet/storage.hpp"
 
 namespace {
 
@@ -50,6 +52,29 @@ void search(const BoxGraphView& view) {
   }
 }
 
+/// A plan from the first cell to the last, corridor and trajectory included: what is answered is certified.
+void plan(const BoxGraphView& view) {
+  static swiftlet::PlannerStorage<swiftlet::Capacity{.segments = 16, .search_nodes = 64}> storage;
+  static swiftlet::Planner planner{storage.spans()};
+  const auto centre = [&](std::size_t cell) {
+    const swiftlet::Box box = view.to_world(view.cell(static_cast<CellIndex>(cell)));
+    return Vector3((box.lo + box.hi) / 2);
+  };
+  for (const auto kind : {swiftlet::CorridorKind::kExtents, swiftlet::CorridorKind::kCells}) {
+    swiftlet::PlanRequest request;
+    request.start.position = centre(0);
+    request.goal.position = centre(view.cell_count() - 1);
+    request.v_max = 1;
+    request.a_max = 1;
+    request.corridor = kind;
+    request.budget.refinement = 0;
+    const swiftlet::Plan& found = planner.plan(view, request);
+    const bool answered = found.status == swiftlet::Status::kOk || found.status == swiftlet::Status::kFallback;
+    require(answered == !found.segments.empty());
+    require(!answered || found.certificate.pass);
+  }
+}
+
 /// Uses every part of a blob that was accepted; the sanitizers see any step outside it.
 void use(const BoxGraphView& view) {
   for (std::size_t i = 0; i < view.cell_count(); ++i) {
@@ -67,7 +92,10 @@ void use(const BoxGraphView& view) {
     require(view.covered_volume(view.cell(cell)) > 0);
     require(view.nearest_free(2 * box.lo - box.hi).has_value());
   }
-  if (view.cell_count() > 0) search(view);
+  if (view.cell_count() > 0) {
+    search(view);
+    plan(view);
+  }
   (void)swiftlet::tools::obstacle_boxes(view);
   (void)swiftlet::tools::map_info(view);
 }
