@@ -117,7 +117,8 @@ void Mission::fill(SupervisorInputs& inputs) const {
   const mavlink::Mode mode = link_.autopilot().mode;
   inputs.engage = engaged_ && !engages_anew_;
   // Control begins once the frames are tied; in the air, where they cannot be, it begins to hold.
-  inputs.armed = armed_ && (alignment_.aligned() || !may_align());
+  inputs.armed = armed_;
+  inputs.standing = !alignment_.aligned() && may_align();
   inputs.in_our_mode = mode == mavlink::Mode::kOffboard;
   inputs.landing = (lands_ && mode == mavlink::Mode::kLand) || (releases_ && mode == mavlink::Mode::kHold);
   inputs.stop = stopped_ || pauses_ || lands_ || releases_;
@@ -167,10 +168,11 @@ void Mission::note_control(const MissionView& view, TrajectoryStore& store) {
   in_control_ = state == FlightState::kFlying || state == FlightState::kBraking || state == FlightState::kHolding;
   if (in_control_ && !had_control) enter_control(view, store);
   if (!in_control_ && had_control) releases_ = climbing_ = false;
+  if (!in_control_ && !ready_) requests_.cancel();
   if (state == FlightState::kLanded && phase_ != Phase::kDone) {
+    if (phase_ != Phase::kGround) goals_.clear();
     phase_ = Phase::kDone;
     lands_ = false;
-    goals_.clear();
   }
   const bool again = phase_ == Phase::kDone && (state == FlightState::kIdle || state == FlightState::kReady);
   if (again || (ready_ && !in_control_)) phase_ = Phase::kGround;

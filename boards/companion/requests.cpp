@@ -30,6 +30,11 @@ void Requests::step(TimeUs now) {
   }
 }
 
+void Requests::cancel() {
+  if (waiting_) link_.cancel_requests();
+  waiting_ = false;
+}
+
 void Requests::asked(bool taken, TimeUs now) {
   waiting_ = taken;
   if (!taken) next_at_ = now + kAgain;

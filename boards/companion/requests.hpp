@@ -12,6 +12,8 @@ class Requests {
 
   /// Once a step: how the last request ended.
   void step(TimeUs now);
+  /// Nothing is wanted any more: what was not answered is not repeated.
+  void cancel();
 
   // May be called every step as long as it is wanted.
   void ask_for_mode(mavlink::Mode mode, TimeUs now);

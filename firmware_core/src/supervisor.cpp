@@ -138,7 +138,10 @@ void Supervisor::note_storage(const SupervisorInputs& inputs) {
 void Supervisor::note_operator(const SupervisorInputs& inputs) {
   engaged_anew_ = inputs.engage && !was_engaged_;
   was_engaged_ = inputs.engage;
-  if (engaged_anew_) latched_ = Reason::kNone;
+  if (engaged_anew_) {
+    latched_ = Reason::kNone;
+    had_mode_ = was_armed_ = false;
+  }
   if (!inputs.path_blocked) blocked_since_ = inputs.now;
 }
 
@@ -156,6 +159,14 @@ Reason Supervisor::start_fault(const SupervisorInputs& inputs) const {
   if (inputs.storage_full) return Reason::kStorageFull;
   if (!inputs.margins_covered) return Reason::kMarginsTooSmall;
   return Reason::kNone;
+}
+
+/// What was granted before control began and is gone: who took it shall have it.
+Reason Supervisor::taken_back(const SupervisorInputs& inputs) const {
+  if (!had_mode_ && !was_armed_) return Reason::kNone;
+  if (inputs.autopilot_boots != boots_) return Reason::kAutopilotRestart;
+  if (had_mode_ && !inputs.in_our_mode) return Reason::kPilotTookOver;
+  return was_armed_ && !inputs.armed ? Reason::kDisarmed : Reason::kNone;
 }
 
 /// What ends our control at once.
@@ -199,21 +210,29 @@ void Supervisor::enter(FlightState state, Reason reason, TimeUs now) {
   reason_ = reason;
 }
 
+/// Idle and ready: on the way to control.
+void Supervisor::prepare(const SupervisorInputs& inputs, Reason fault) {
+  const bool ready = state_ == FlightState::kReady;
+  if (!ready) reason_ = fault;
+  if (!inputs.engage) {
+    if (ready) enter(FlightState::kIdle, Reason::kReleased, inputs.now);
+  } else if (const Reason taken = taken_back(inputs); taken != Reason::kNone) {
+    enter(FlightState::kYielded, taken, inputs.now);
+  } else if (fault != Reason::kNone) {
+    if (ready) enter(FlightState::kIdle, fault, inputs.now);
+  } else if (!ready) {
+    enter(FlightState::kReady, Reason::kEngaged, inputs.now);
+  } else if (inputs.armed && inputs.in_our_mode && !inputs.standing) {
+    enter(FlightState::kHolding, Reason::kControlGained, inputs.now);
+  } else {
+    had_mode_ = had_mode_ || inputs.in_our_mode;
+    was_armed_ = was_armed_ || inputs.armed;
+  }
+}
+
 void Supervisor::step_out_of_control(const SupervisorInputs& inputs) {
-  boots_ = inputs.autopilot_boots;
   const Reason fault = start_fault(inputs);
   switch (state_) {
-    case FlightState::kIdle:
-      reason_ = fault;
-      if (inputs.engage && fault == Reason::kNone) enter(FlightState::kReady, Reason::kEngaged, inputs.now);
-      break;
-    case FlightState::kReady:
-      if (fault != Reason::kNone || !inputs.engage) {
-        enter(FlightState::kIdle, inputs.engage ? fault : Reason::kReleased, inputs.now);
-      } else if (inputs.armed && inputs.in_our_mode) {
-        enter(FlightState::kHolding, Reason::kControlGained, inputs.now);
-      }
-      break;
     case FlightState::kYielded:
       if (!inputs.armed) {
         enter(FlightState::kLanded, Reason::kDisarmed, inputs.now);
@@ -221,9 +240,13 @@ void Supervisor::step_out_of_control(const SupervisorInputs& inputs) {
         enter(FlightState::kReady, Reason::kEngaged, inputs.now);
       }
       break;
-    default:  // landed
+    case FlightState::kLanded:
       if (!inputs.engage) enter(FlightState::kIdle, Reason::kReleased, inputs.now);
+      break;
+    default:
+      prepare(inputs, fault);
   }
+  boots_ = inputs.autopilot_boots;
 }
 
 void Supervisor::step_in_control(const SupervisorInputs& inputs, Decision& decision) {

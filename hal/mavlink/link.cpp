@@ -298,6 +298,13 @@ bool Link::request(std::uint16_t command, const std::array<float, 7>& param) {
   return requests_.try_push_back(request);
 }
 
+void Link::cancel_requests() {
+  for (std::size_t left = requests_.size(); left > 0; --left) {
+    const std::optional<Request> request = requests_.pop_front();
+    if (request->is_rate) static_cast<void>(requests_.try_push_back(*request));
+  }
+}
+
 void Link::take(const CommandAck& ack) {
   const bool for_others = ack.target.system != 0 && ack.target != codec_.self();
   if (for_others) {

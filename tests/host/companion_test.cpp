@@ -85,6 +85,7 @@ class TappedUart final : public hal::Uart {
   std::size_t write(std::span<const std::byte> bytes) override {
     const auto taken = bytes.first(std::min(bytes.size(), room));
     written.insert(written.end(), taken.begin(), taken.end());
+    if (lost_command != 0 && command_of(bytes) == lost_command) return taken.size();
     return line_.write(taken);
   }
   std::size_t read(std::span<std::byte> into) override {
@@ -99,9 +100,17 @@ class TappedUart final : public hal::Uart {
 
   std::vector<std::byte> written;
   std::vector<std::byte> injected;
-  std::size_t room = 1000;  // of each write
+  std::size_t room = 1000;         // of each write
+  std::uint16_t lost_command = 0;  // that never arrives
 
  private:
+  static std::uint16_t command_of(std::span<const std::byte> bytes) {
+    mavlink::Codec reader({255, 190});
+    const auto frame = reader.receive(bytes);
+    const auto command = frame ? mavlink::decode<mavlink::CommandLong>(*frame) : std::nullopt;
+    return command ? command->command : std::uint16_t{0};
+  }
+
   LockstepUart line_;
 };
 
@@ -178,6 +187,24 @@ class Rig {
   bool take_off() {
     EXPECT_TRUE(companion.engage(true));
     return run_until(30, [](const Telemetry& t) { return t.phase == Phase::kMission; });
+  }
+  bool arm_on_the_ground() {
+    EXPECT_TRUE(companion.engage(true));
+    return run_until(10, [](const Telemetry& t) { return t.armed; }) && !companion.telemetry().aligned;
+  }
+  tools::Autopilot& autopilot() { return sim.simulation().autopilot(); }
+  /// How often the companion has asked for a mode or for arming so far.
+  [[nodiscard]] int requests() const {
+    mavlink::Codec reader({255, 190});
+    std::span<const std::byte> bytes(uart.written);
+    int count = 0;
+    while (const auto frame = reader.receive(bytes)) {
+      const auto command = mavlink::decode<mavlink::CommandLong>(*frame);
+      const bool asks =
+          command && (command->command == mavlink::kCommandDoSetMode || command->command == mavlink::kCommandArmDisarm);
+      count += asks ? 1 : 0;
+    }
+    return count;
   }
   [[nodiscard]] std::string notes() const {
     std::string all;
@@ -508,6 +535,65 @@ TEST(Companion, ThePilotWinsAndOnlyTheOperatorTakesControlBack) {
   EXPECT_EQ(rig.sim.simulation().autopilot().mode(), tools::FlightMode::kPosctl);
   EXPECT_TRUE(rig.companion.engage(true));
   EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+}
+
+TEST(Companion, APilotWhoTakesOverWhileItStandsArmedIsNotAskedForTheModeAgain) {
+  for (const bool by_word : {true, false}) {
+    Settings settings = usual_settings();
+    settings.engage_at_start = !by_word;
+    Rig rig(settings);
+    if (by_word) {
+      EXPECT_TRUE(rig.companion.engage(true));
+    }
+    ASSERT_TRUE(rig.run_until(10, [](const Telemetry& t) { return t.armed; })) << rig.notes();
+    rig.run(2);
+    const int before = rig.requests();
+    rig.autopilot().take_over(tools::FlightMode::kPosctl);
+    ASSERT_TRUE(rig.run_until(0.2, has_yielded)) << rig.notes();
+    rig.run(15);
+    EXPECT_EQ(rig.requests(), before);
+    EXPECT_EQ(rig.autopilot().mode(), tools::FlightMode::kPosctl);
+    EXPECT_LT(rig.sim.simulation().truth().position.z(), 0.05);
+  }
+}
+
+TEST(Companion, AVehicleThatThePilotDisarmsWhileItStandsIsNotArmedAgainAndItsGoalsAreKept) {
+  Rig rig;
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.arm_on_the_ground()) << rig.notes();
+  rig.run(2);
+  const int before = rig.requests();
+  rig.autopilot().disarm(true);
+  rig.run(15);
+  EXPECT_EQ(rig.requests(), before);
+  EXPECT_FALSE(rig.autopilot().armed());
+  EXPECT_EQ(rig.companion.telemetry().reason, Reason::kDisarmed);
+  ASSERT_TRUE(rig.take_off()) << rig.notes();
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+}
+
+TEST(Companion, AnAutopilotThatDisarmsByItselfBeforeTheTakeOffIsNotArmedAgain) {
+  Rig rig;
+  rig.autopilot().set_parameter(tools::ParameterIndex::kIdleDisarmTime, 3);
+  ASSERT_TRUE(rig.arm_on_the_ground()) << rig.notes();
+  ASSERT_TRUE(rig.run_until(5, [](const Telemetry& t) { return t.state == FlightState::kLanded; })) << rig.notes();
+  const int before = rig.requests();
+  rig.run(15);
+  EXPECT_EQ(rig.requests(), before);
+}
+
+TEST(Companion, ARequestThatWasNotAnsweredIsNotRepeatedOnceThePilotHasTakenOver) {
+  Rig rig;
+  rig.uart.lost_command = mavlink::kCommandArmDisarm;
+  EXPECT_TRUE(rig.companion.engage(true));
+  ASSERT_TRUE(rig.run_until(10, [](const Telemetry& t) { return t.mode == mavlink::Mode::kOffboard; }));
+  const int before = rig.requests();
+  ASSERT_TRUE(rig.run_until(5, [&](const Telemetry&) { return rig.requests() > before; })) << rig.notes();
+  rig.autopilot().take_over(tools::FlightMode::kPosctl);
+  rig.uart.lost_command = 0;
+  rig.run(5);
+  EXPECT_EQ(rig.requests(), before + 1);
+  EXPECT_FALSE(rig.autopilot().armed());
 }
 
 TEST(Companion, AnAutopilotThatRestartsIsLetGoAndItsFrameForgotten) {

@@ -130,7 +130,10 @@ TEST(Supervisor, GoesFromIdleThroughReadyAndHoldingToFlyingAndArrives) {
   flight.inputs.armed = true;
   flight.run(100'000);
   EXPECT_TRUE(flight.decision.state == FlightState::kReady);
-  flight.inputs.in_our_mode = true;
+  flight.inputs.in_our_mode = flight.inputs.standing = true;
+  flight.run(100'000);
+  EXPECT_TRUE(flight.decision.state == FlightState::kReady);
+  flight.inputs.standing = false;
   flight.run(100'000);
   EXPECT_TRUE(flight.decision.state == FlightState::kHolding);
   EXPECT_FALSE(flight.decision.hold_here);
@@ -273,6 +276,56 @@ TEST(Supervisor, PilotTakesOverAtOnceFromEveryStateInControl) {
     EXPECT_TRUE(flight.decision.state == FlightState::kReady);
     EXPECT_TRUE(flight.decision.hold_here);
   }
+}
+
+TEST(Supervisor, ModeOrArmingTakenBackBeforeControlBeginsIsAYield) {
+  for (const bool disarmed : {false, true}) {
+    Flight flight;
+    flight.inputs.engage = true;
+    flight.run(100'000);
+    flight.inputs.in_our_mode = flight.inputs.armed = flight.inputs.standing = true;
+    flight.run(2 * kSecondUs);
+    EXPECT_TRUE(flight.decision.state == FlightState::kReady);
+    (disarmed ? flight.inputs.armed : flight.inputs.in_our_mode) = false;
+    EXPECT_TRUE(flight.step().state == FlightState::kYielded);
+    EXPECT_TRUE(flight.decision.reason == (disarmed ? Reason::kDisarmed : Reason::kPilotTookOver));
+    flight.inputs.armed = flight.inputs.in_our_mode = true;
+    flight.inputs.standing = false;
+    for (int i = 0; i < 100; ++i) {
+      EXPECT_TRUE(flight.decision.setpoints == Setpoints::kNone);
+      EXPECT_FALSE(flight.decision.may_ask_for_control);
+      flight.step();
+    }
+    flight.inputs.engage = false;
+    flight.run(50'000);
+    flight.inputs.engage = true;
+    EXPECT_TRUE(flight.step().state == FlightState::kReady);
+  }
+}
+
+TEST(Supervisor, AModeTakenAwayBehindAFaultIsNotAskedForAgain) {
+  Flight flight;
+  flight.inputs.engage = flight.inputs.in_our_mode = true;
+  flight.run(100'000);
+  flight.link_cut = true;
+  EXPECT_GE(flight.until(FlightState::kIdle), 0);
+  flight.inputs.in_our_mode = false;
+  flight.link_cut = false;
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(flight.step().may_ask_for_control);
+}
+
+TEST(Supervisor, AnAutopilotThatRestartsOnceItHasGrantedSomethingIsLetGo) {
+  Flight flight;
+  flight.inputs.engage = true;
+  flight.run(100'000);
+  ++flight.inputs.autopilot_boots;  // nothing of ours is lost
+  flight.run(100'000);
+  EXPECT_TRUE(flight.decision.state == FlightState::kReady);
+  flight.inputs.in_our_mode = true;
+  flight.run(100'000);
+  ++flight.inputs.autopilot_boots;
+  EXPECT_TRUE(flight.step().state == FlightState::kYielded);
+  EXPECT_TRUE(flight.decision.reason == Reason::kAutopilotRestart);
 }
 
 TEST(Supervisor, StarvedSetpointsBrakeAfter250msAndYieldAfter900ms) {

@@ -16,7 +16,7 @@ enum class FlightState : std::uint8_t {
   kBraking,  ///< in control, the reference slows down along its path
   kHolding,  ///< in control, the reference rests (also before a take-off)
   kYielded,  ///< control is the pilot's or the autopilot's; nothing is sent until engaged anew
-  kLanded,   ///< disarmed after having been in control
+  kLanded,   ///< disarmed after having been in control, or after a yield
 };
 
 /// Why a state was entered, or what keeps it from being left.
@@ -76,6 +76,7 @@ struct SupervisorInputs {
   TimeUs last_setpoint = 0;                      ///< newest set-point that the line has taken
   std::uint32_t autopilot_boots = 0;             ///< changes when the autopilot restarts
   bool armed = false;
+  bool standing = false;      ///< armed, but control cannot begin yet: the frames are being tied
   bool in_our_mode = false;   ///< the autopilot reports the mode that flies our set-points
   bool airborne = false;      ///< by measured height; the tracking error counts only then
   bool engage = false;        ///< the operator wants the companion to fly; after a yield it must go off and on
@@ -121,8 +122,8 @@ struct FlightEvent {
 
 /// Watches ages and limits and decides who flies and whether (docs/flight.md tabulates fault, detection time and
 /// reaction). It reads no clock and touches nothing: the same inputs give the same decisions, so a flight can be
-/// replayed. The pilot always wins: any mode change is a yield, and after a yield nothing is sent or asked for until
-/// the operator engages anew.
+/// replayed. The pilot always wins: any mode change is a yield, and so is the loss of a mode or an arming that was
+/// granted before control began; after a yield nothing is sent or asked for until the operator engages anew.
 class Supervisor {
  public:
   static constexpr std::size_t kEvents = 64;
@@ -147,12 +148,14 @@ class Supervisor {
   void note_operator(const SupervisorInputs& inputs);
   [[nodiscard]] Reason odometry_fault(TimeUs now) const;
   [[nodiscard]] Reason start_fault(const SupervisorInputs& inputs) const;
+  [[nodiscard]] Reason taken_back(const SupervisorInputs& inputs) const;
   [[nodiscard]] Reason yield_fault(const SupervisorInputs& inputs) const;
   [[nodiscard]] Reason tracking_fault(const SupervisorInputs& inputs, const Decision& decision) const;
   [[nodiscard]] Reason brake_fault(const SupervisorInputs& inputs, const Decision& decision) const;
   void note(const FlightEvent& event);
   void enter(FlightState state, Reason reason, TimeUs now);
   void step_out_of_control(const SupervisorInputs& inputs);
+  void prepare(const SupervisorInputs& inputs, Reason fault);
   void step_in_control(const SupervisorInputs& inputs, Decision& decision);
   void fill(const SupervisorInputs& inputs, Decision& decision) const;
 
@@ -174,6 +177,8 @@ class Supervisor {
 
   bool was_engaged_ = false;
   bool engaged_anew_ = false;
+  bool had_mode_ = false;  // since engaged, and ready
+  bool was_armed_ = false;
   std::uint32_t boots_ = 0;
   bool storage_was_full_ = false;
   TimeUs blocked_since_ = 0;  // the last step at which the path was free

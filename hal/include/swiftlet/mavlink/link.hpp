@@ -185,6 +185,7 @@ class Link {
   bool request_mode(Mode mode);
   bool request_arm(bool armed);
   bool request(std::uint16_t command, const std::array<float, 7>& param);
+  void cancel_requests();  ///< Those that are not done are not repeated and have no outcome.
   std::optional<Outcome> take_outcome() { return outcomes_.pop_front(); }
 
   // Set-points, sent at once and once. False when not sent: not finite, thrust outside 0 to 1, no rotation, device

@@ -10,6 +10,7 @@ template <typename T, std::size_t kCapacity>
 class Ring {
  public:
   [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool try_push_back(const T& value) {
     if (size_ == kCapacity) return false;
     values_[(first_ + size_++) % kCapacity] = value;
