@@ -5,7 +5,10 @@
 namespace swiftlet::companion {
 namespace {
 
-constexpr Real kJump = Real(0.15);  // [m] from one estimate of a standing vehicle to the next
+// What a standing vehicle's estimate may do.
+constexpr Real kJump = Real(0.15);   // [m] from one to the next
+constexpr Real kWander = Real(0.3);  // [m] from the first one on
+constexpr Real kSpeed = Real(0.5);   // [m/s]
 
 }  // namespace
 
@@ -27,13 +30,18 @@ void FrameAlignment::begin(TimeUs now) {
   begun_at_ = now;
 }
 
-bool FrameAlignment::has_jumped() const { return (link_.local_vehicle().position - last_position_).norm() > kJump; }
+bool FrameAlignment::moves() const {
+  const mavlink::VehicleState& local = link_.local_vehicle();
+  return (local.position - last_position_).norm() > kJump || (local.position - first_position_).norm() > kWander ||
+         local.velocity.norm() > kSpeed;
+}
 
 void FrameAlignment::add_sample(TimeUs now) {
   const mavlink::VehicleState& local = link_.local_vehicle();
   if (!local.has_position || !local.has_attitude || local.position_count == last_sample_) return;
   last_sample_ = local.position_count;
-  if (samples_ > 0 && has_jumped()) begin(now);
+  if (samples_ == 0) first_position_ = last_position_ = local.position;
+  if (moves()) return begin(now);
   last_position_ = local.position;
   const Real yaw = mavlink::yaw_of(local.attitude);
   position_sum_ += local.position;
@@ -45,7 +53,7 @@ void FrameAlignment::add_sample(TimeUs now) {
 bool FrameAlignment::step(TimeUs now) {
   if (aligned_) return true;
   if (tied_ && link_.local_vehicle().position_count == last_sample_) return false;
-  if (tied_ && !has_jumped()) return aligned_ = true;
+  if (tied_ && !moves()) return aligned_ = true;
   if (!begun_ || tied_) {
     begin(now);
     last_sample_ = link_.local_vehicle().position_count;  // of before

@@ -9,7 +9,7 @@ namespace swiftlet::companion {
 
 /// Ties the autopilot's local frame to the map's at arming: the vehicle stands at a known pose, and what the autopilot
 /// believes it to be is averaged over a while, since the estimate wanders by centimetres and its origin drifts before.
-/// An estimate that jumps meanwhile begins the averaging anew.
+/// An estimate that jumps, wanders off or moves meanwhile begins the averaging anew.
 class FrameAlignment {
  public:
   /// `standing` [us]: how long the vehicle stands after arming.
@@ -30,7 +30,7 @@ class FrameAlignment {
 
  private:
   void begin(TimeUs now);
-  [[nodiscard]] bool has_jumped() const;
+  [[nodiscard]] bool moves() const;
   void add_sample(TimeUs now);
 
   mavlink::Link& link_;
@@ -44,6 +44,7 @@ class FrameAlignment {
   TimeUs begun_at_ = 0;
   std::uint32_t last_sample_ = 0;
   std::uint32_t samples_ = 0;
+  Vector3 first_position_ = Vector3::Zero();
   Vector3 last_position_ = Vector3::Zero();
   Vector3 position_sum_ = Vector3::Zero();
   Real cos_sum_ = 0;

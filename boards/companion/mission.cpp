@@ -82,12 +82,13 @@ void Mission::set_goal(const Vector3& position, std::optional<Real> yaw, const B
 
 // ---- What the autopilot says
 
-/// Whether the vehicle stands where it is known to stand. PX4's landed state says "in air" early, so where we have
-/// asked for the arming it does not count.
+/// Whether the vehicle stands where it is known to stand.
 bool Mission::may_align() const {
   const bool on_ground = link_.autopilot().landed_state == mavlink::LandedState::kOnGround;
   return !lifted_ && (seen_disarmed_ || on_ground);
 }
+
+bool Mission::knows_landed_state() const { return link_.autopilot().landed_state != mavlink::LandedState::kUnknown; }
 
 void Mission::note_arming(TimeUs now) {
   const mavlink::AutopilotState& autopilot = link_.autopilot();
@@ -99,12 +100,18 @@ void Mission::note_arming(TimeUs now) {
     const mavlink::VehicleState vehicle = link_.vehicle();
     if (has_flown && alignment_.aligned()) alignment_.stand_at(vehicle.position, mavlink::yaw_of(vehicle.attitude));
     alignment_.forget();
-    asked_to_arm_ = false;
+  }
+  const bool in_our_mode = autopilot.mode == mavlink::Mode::kOffboard;
+  if (seen_disarmed_ && !armed_ && autopilot.armed) {
+    armed_in_our_mode_ = in_our_mode;
+    if (!in_our_mode) by_operator_ = false;
   }
   armed_ = autopilot.armed;
   seen_disarmed_ = seen_disarmed_ || !armed_;
-  const bool says_in_air = autopilot.landed_state == mavlink::LandedState::kInAir;
-  lifted_ = armed_ && !alignment_.aligned() && (lifted_ || (says_in_air && !asked_to_arm_));
+  // PX4's landed state says "in air" early; in our mode, which it was armed in, nothing but us can lift it.
+  const bool by_us = armed_in_our_mode_ && in_our_mode;
+  const bool says_in_air = knows_landed_state() && autopilot.landed_state != mavlink::LandedState::kOnGround;
+  lifted_ = armed_ && !alignment_.aligned() && (lifted_ || (says_in_air && !by_us));
   if (armed_ && may_align()) (void)alignment_.step(now);
 }
 
@@ -118,7 +125,7 @@ void Mission::fill(SupervisorInputs& inputs) const {
   inputs.engage = engaged_ && !engages_anew_;
   // Control begins once the frames are tied; in the air, where they cannot be, it begins to hold.
   inputs.armed = armed_;
-  inputs.standing = !alignment_.aligned() && may_align();
+  inputs.standing = !alignment_.aligned() && (may_align() || !knows_landed_state());
   inputs.in_our_mode = mode == mavlink::Mode::kOffboard;
   inputs.landing = (lands_ && mode == mavlink::Mode::kLand) || (releases_ && mode == mavlink::Mode::kHold);
   inputs.stop = stopped_ || pauses_ || lands_ || releases_;
@@ -210,7 +217,6 @@ void Mission::ask_for_control(const MissionView& view) {
   if (autopilot.mode != mavlink::Mode::kOffboard) {
     if (!autopilot.armed || by_operator_) requests_.ask_for_mode(mavlink::Mode::kOffboard, view.now);
   } else if (!autopilot.armed) {
-    asked_to_arm_ = true;
     requests_.ask_to_arm(view.now);
   }
 }

@@ -65,6 +65,7 @@ class Mission {
   [[nodiscard]] bool in_flight() const { return phase_ == Phase::kTakeoff || phase_ == Phase::kMission; }
   [[nodiscard]] Real height(const VehicleState& estimate) const;
   [[nodiscard]] bool may_align() const;
+  [[nodiscard]] bool knows_landed_state() const;
   bool accepts(const Vector3& position, const BoxGraphView& map);
   void note_arming(TimeUs now);
   void note_control(const MissionView& view, TrajectoryStore& store);
@@ -87,7 +88,7 @@ class Mission {
   Phase phase_ = Phase::kGround;
   bool engaged_ = false;
   bool engages_anew_ = false;  // was engaged when engaged: off for a step
-  bool by_operator_ = false;   // not by the settings
+  bool by_operator_ = false;   // not by the settings, and not before somebody else armed the vehicle
   bool stopped_ = false;
   bool pauses_ = false;  // to plan from rest
   bool lands_ = false;
@@ -99,7 +100,7 @@ class Mission {
 
   bool armed_ = false;
   bool seen_disarmed_ = false;  // so it stood on the ground when it was armed
-  bool asked_to_arm_ = false;
+  bool armed_in_our_mode_ = false;
   bool lifted_ = false;  // in the air when the frames were not aligned yet
   std::uint32_t boots_ = 0;
 

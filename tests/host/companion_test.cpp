@@ -596,6 +596,48 @@ TEST(Companion, ARequestThatWasNotAnsweredIsNotRepeatedOnceThePilotHasTakenOver)
   EXPECT_FALSE(rig.autopilot().armed());
 }
 
+/// The pilot arms by radio and climbs to some height.
+void climb_by_radio(Rig& rig) {
+  rig.autopilot().take_over(tools::FlightMode::kPosctl);
+  EXPECT_EQ(rig.autopilot().arm(true, std::chrono::duration<double>(rig.sim.time()).count()),
+            tools::Verdict::kAccepted);
+  rig.run(1.5);
+  rig.autopilot().move_sticks({0, 0, 0.25});
+  rig.run(8);
+  rig.autopilot().move_sticks(Vector3::Zero());
+  EXPECT_GT(rig.sim.simulation().truth().position.z(), 0.8);
+}
+
+TEST(Companion, FramesAreNotTiedInTheAirWhereAPilotTookItThatCouldNotBeArmed) {
+  Rig rig;
+  rig.uart.lost_command = mavlink::kCommandArmDisarm;
+  EXPECT_TRUE(rig.companion.engage(true));
+  rig.run(5);
+  EXPECT_TRUE(rig.companion.engage(false));
+  rig.run(1);
+  climb_by_radio(rig);
+  EXPECT_FALSE(rig.companion.telemetry().aligned);
+  EXPECT_TRUE(rig.companion.engage(true));
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_holding)) << rig.notes();
+  rig.run(2);
+  EXPECT_EQ(rig.companion.telemetry().plan.id, 0U) << rig.notes();
+}
+
+TEST(Companion, AVehicleThatThePilotArmedIsNotTakenInTheAirByAnOlderWord) {
+  Rig rig;
+  rig.uart.lost_command = mavlink::kCommandDoSetMode;
+  EXPECT_TRUE(rig.companion.engage(true));
+  rig.run(2);
+  climb_by_radio(rig);
+  rig.uart.lost_command = 0;
+  const int before = rig.requests();
+  rig.run(5);
+  EXPECT_EQ(rig.requests(), before) << rig.notes();
+  EXPECT_TRUE(rig.companion.engage(true));
+  EXPECT_TRUE(rig.run_until(5, is_holding)) << rig.notes();
+}
+
 TEST(Companion, AnAutopilotThatRestartsIsLetGoAndItsFrameForgotten) {
   PixhawkSimSettings sim = usual_sim();
   sim.faults = {*tools::parse_fault("restart@14+0.5")};
@@ -635,6 +677,28 @@ TEST(Companion, ACompanionThatStartsInTheAirHoldsWhereItIsAndFliesNowhere) {
     second.step(rig.sim.time());
   }
   EXPECT_EQ(second.telemetry().phase, Phase::kDone);
+}
+
+TEST(Companion, ACompanionThatStartsOnTheGroundOfAnArmedVehicleWaitsUntilItKnowsThat) {
+  Rig rig;
+  ASSERT_TRUE(rig.arm_on_the_ground()) << rig.notes();
+  mavlink::Codec station({255, 190});
+  const float landed_state = mavlink::ExtendedSystemState::kId;  // comes again once it is asked for
+  (void)rig.uart.write(
+      station.encode(mavlink::CommandLong{{1, 1}, mavlink::kCommandSetMessageInterval, 0, {landed_state, -1}}));
+  rig.run(0.1);
+  Settings settings = usual_settings();
+  settings.engage_at_start = true;
+  InlineWorker worker(rig.planner_spans());
+  static CompanionStorage<kCapacity> memory;
+  Companion second(settings, classroom(), memory.memory(), {rig.uart, worker});
+  for (int i = 0; i < 1500 && second.telemetry().phase != Phase::kMission; ++i) {
+    rig.uart.advance(milliseconds(10));
+    second.step(rig.sim.time());
+    const bool in_control = second.telemetry().phase != Phase::kGround;
+    ASSERT_TRUE(second.telemetry().aligned || !in_control) << i;
+  }
+  EXPECT_EQ(second.telemetry().phase, Phase::kMission);
 }
 
 TEST(Companion, AMapReplacedUnderWayStopsTheFlightAndItGoesOnInTheNewOne) {
@@ -753,13 +817,15 @@ class ArduCopter final : public hal::Uart {
       send(mavlink::Heartbeat{mode, mavlink::kTypeQuadrotor, mavlink::kAutopilotArduPilot, base_mode()});
     if (is_due(20) && streams_) {
       send(mavlink::AttitudeQuaternion{time_ms(), mavlink::to_ned(mavlink::Quaternion::Identity()), {}});
-      send(mavlink::LocalPositionNed{time_ms(), mavlink::to_ned(position), mavlink::to_ned(velocity_)});
+      send(mavlink::LocalPositionNed{time_ms(), mavlink::to_ned(position), mavlink::to_ned(velocity_ + measured)});
     }
     if (is_due(200))
       send(mavlink::ExtendedSystemState{flies() ? mavlink::LandedState::kInAir : mavlink::LandedState::kOnGround});
   }
   [[nodiscard]] bool flies() const { return position.z() > kGround + 0.01; }
 
+  Vector3 moved = Vector3::Zero();     // [m/s] that the estimate's position wanders by
+  Vector3 measured = Vector3::Zero();  // [m/s] that its velocity is off by
   std::chrono::microseconds time{0};
   std::uint32_t mode = kStabilize;
   bool armed = false;
@@ -832,7 +898,7 @@ class ArduCopter final : public hal::Uart {
     if (mode == kGuided && climbs_to_ == 0 && target_) {
       velocity_ = mavlink::to_enu(target_->velocity) + 2 * (mavlink::to_enu(target_->position) - position);
     }
-    position += velocity_ * dt;
+    position += (velocity_ + moved) * dt;
   }
 
   template <typename Message>
@@ -895,6 +961,20 @@ TEST(CompanionWithArduPilot, FliesInGuidedAfterAClimbThatNoSetPointDisturbs) {
   EXPECT_EQ(rig.copter.set_points_on_climb, 0);
   EXPECT_GT(rig.copter.set_points, 1000);
   EXPECT_FALSE(rig.copter.armed);
+}
+
+TEST(CompanionWithArduPilot, FramesAreTiedToAVehicleThatStandsStill) {
+  const auto is_aligned = [](const Telemetry& t) { return t.aligned; };
+  ArduRig carried;
+  carried.copter.moved = {0.5, 0, 0};
+  EXPECT_FALSE(carried.run_until(20, is_aligned));
+  carried.copter.moved.setZero();
+  EXPECT_TRUE(carried.run_until(5, is_aligned));
+  ArduRig moving;
+  moving.copter.measured = {0, 0, 0.6};
+  EXPECT_FALSE(moving.run_until(20, is_aligned));
+  moving.copter.measured.setZero();
+  EXPECT_TRUE(moving.run_until(5, is_aligned));
 }
 
 TEST(CompanionWithArduPilot, TheClimbEndsInFreeSpaceThoughLessWasAskedFor) {
