@@ -339,6 +339,51 @@ TEST(ConfigFile, WhatIsWrittenIsReadBackBitForBit) {
   EXPECT_EQ(read.limits.vehicle->thrust_max, 21);
 }
 
+TEST(ConfigFile, NumbersOutOfRangeAreRefused) {
+  EXPECT_NO_THROW((void)parse_config("text", R"({"format": "swiftlet-config/1"})"));
+  const std::pair<const char*, const char*> cases[] = {
+      {R"("system_id": 0)", "system id"},
+      {R"("start_m": [0, 1e7, 0])", "start"},
+      {R"("arrival_tolerance_m": 0)", "arrival tolerance"},
+      {R"("margins": {"tube_rates_m": -0.1})", "margins"},
+      {R"("takeoff": {"height_m": 0.1})", "take-off tolerance"},
+      {R"("takeoff": {"tolerance_m": 1})", "take-off tolerance"},
+      {R"("takeoff": {"standing_s": 10})", "standing"},
+      {R"("takeoff": {"patience_s": 0})", "take-off patience"},
+      {R"("planning": {"search_weight": 0.5})", "search weight"},
+      {R"("planning": {"latency_s": -1})", "a time"},
+      {R"("predictor": {"longest_s": 61})", "a time"},
+      {R"("yaw": {"rate_max_rad_s": 0})", "yaw limits"},
+      {R"("yaw": {"least_distance_m": -1})", "yaw distances"},
+      {R"("yaw": {"angle_rad": 1e9})", "yaw angle"},
+      {R"("control": {"attitude": {"k_position": [12, -1, 12]}})", "control: a gain"},
+      {R"("control": {"rates": {"k_velocity_form": [1, 1, -1]}})", "control: a gain"},
+      {R"("control": {"rates": {"drag_1_s": -1}})", "control: feedback or drag"},
+      {R"("control": {"attitude": {"mass_kg": 0}})", "control: mass"},
+      {R"("control": {"rates": {"tilt_max_rad": 2}})", "control: tilt"},
+      {R"("control": {"attitude": {"thrust_min_m_s2": 20}})", "control: thrust bounds"},
+      {R"("control": {"attitude": {"thrust_max_m_s2": 9}})", "control: thrust bounds"},
+      {R"("control": {"rates": {"rate_max_rad_s": [3, 3, 0]}})", "control: rates"},
+      {R"("predictor": {"disturbance_time_s": 0})", "predictor: disturbance time"},
+      {R"("hover_thrust": {"initial": 50})", "hover thrust"},
+      {R"("hover_thrust": {"least": 0.6, "most": 0.55})", "hover thrust"},
+      {R"("hover_thrust": {"window_s": 0})", "hover thrust: a time"},
+      {R"("supervisor": {"odometry_age_max_s": 0})", "supervisor: a time"},
+      {R"("supervisor": {"blocked_patience_s": -1})", "supervisor: blocked patience"},
+      {R"("supervisor": {"setpoint_age_yield_s": 0.2})", "supervisor: yields before"},
+      {R"("supervisor": {"deadline_misses_max": 0})", "supervisor: no missed deadline"},
+      {R"("supervisor": {"position_jump_m": -1})", "supervisor: position jump"},
+  };
+  for (const auto& [member, words] : cases) {
+    try {
+      (void)parse_config("text", R"({"format": "swiftlet-config/1", )" + std::string(member) + "}");
+      ADD_FAILURE() << member;
+    } catch (const Failure& failure) {
+      EXPECT_NE(failure.line.find(words), std::string::npos) << failure.line;
+    }
+  }
+}
+
 TEST(ConfigFile, FaultsAreNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {R"({"format": "swiftlet-config/1", "limit": {}})", "'limit' is not a known key"},
