@@ -196,7 +196,10 @@ void Companion::take_goal() {
   const bool same = last_link_goal_ && (last_link_goal_->position - goal->position).norm() < kSameGoal &&
                     last_link_goal_->yaw.has_value() == goal->yaw.has_value();
   last_link_goal_ = goal;
-  if (!same) mission_.set_goal(goal->position, goal->yaw, replanner_.map());
+  if (same) return;
+  if (goal->local && !mission_.aligned())
+    return journal_.warn("goal in the autopilot's frame refused: the frames are not tied");
+  mission_.set_goal(goal->position, goal->yaw, replanner_.map());
 }
 
 void Companion::take_commands() {

@@ -514,6 +514,7 @@ void Link::take(const SetPositionTarget& target, const Frame& frame) {
   Goal goal;
   goal.from = frame.from;
   const bool in_map = target.frame == kFrameLocalFlu;
+  goal.local = !in_map;
   goal.position = in_map ? target.position.value : alignment_.point_to_map(to_enu(target.position));
   if (has_yaw) goal.yaw = in_map ? wrap_angle(Real(target.yaw)) : alignment_.yaw_to_map(enu_yaw(Real(target.yaw)));
   goal_ = goal;

@@ -222,15 +222,11 @@ class GroundStation {
  public:
   explicit GroundStation(Rig& rig) : rig_(rig) {}
 
-  void send_goal(const Vector3& p_W) {
-    mavlink::SetPositionTarget target;
-    target.target = {1, mavlink::kPathPlannerComponent};
-    target.frame = mavlink::kFrameLocalFlu;
-    target.type_mask =
-        mavlink::kIgnoreVelocity | mavlink::kIgnoreAcceleration | mavlink::kIgnoreYaw | mavlink::kIgnoreYawRate;
-    target.position.value = p_W;
-    put(codec_.encode(target));
+  void send_goal(const Vector3& p_W, std::optional<float> yaw = {}) {
+    send_target(mavlink::kFrameLocalFlu, {p_W}, yaw);
   }
+  /// In the autopilot's local frame, as ENU.
+  void send_local_goal(const Vector3& p_L) { send_target(mavlink::kFrameLocalNed, mavlink::to_ned(p_L), {}); }
   void send_command(std::uint16_t command) {
     put(codec_.encode(mavlink::CommandLong{{1, mavlink::kPathPlannerComponent}, command, 0, {}}));
   }
@@ -246,6 +242,16 @@ class GroundStation {
   }
 
  private:
+  void send_target(std::uint8_t frame, const mavlink::NedVector& position, std::optional<float> yaw) {
+    mavlink::SetPositionTarget target;
+    target.target = {1, mavlink::kPathPlannerComponent};
+    target.frame = frame;
+    target.type_mask = mavlink::kIgnoreVelocity | mavlink::kIgnoreAcceleration | mavlink::kIgnoreYawRate |
+                       (yaw ? 0 : mavlink::kIgnoreYaw);
+    target.position = position;
+    target.yaw = yaw.value_or(0);
+    put(codec_.encode(target));
+  }
   void put(std::span<const std::byte> frame) {
     rig_.uart.injected.insert(rig_.uart.injected.end(), frame.begin(), frame.end());
   }
@@ -787,6 +793,26 @@ TEST(Companion, AGroundStationsGoalIsFlownToAndARefusedOneIsAnswered) {
   EXPECT_TRUE(station.heard("refused: goal_not_free"));
   station.send_command(21);  // MAV_CMD_NAV_LAND
   EXPECT_TRUE(rig.run_until(30, is_done)) << rig.notes();
+}
+
+TEST(Companion, AGoalInTheLocalFrameIsRefusedUnlessTheFramesAreTied) {
+  Rig rig;
+  GroundStation station(rig);
+  const auto send_goal_above = [&](double height) {
+    station.send_local_goal(rig.sim.simulation().estimate().position + Vector3{0, 0, height});
+    rig.run(0.1);
+  };
+  rig.run(1);
+  send_goal_above(0.8);
+  EXPECT_TRUE(station.heard("refused: the frames are not tied")) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().goals_waiting, 0U);
+  ASSERT_TRUE(rig.take_off());
+  send_goal_above(0.2);
+  EXPECT_TRUE(rig.run_until(10, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+  EXPECT_TRUE(rig.companion.land());
+  ASSERT_TRUE(rig.run_until(30, is_done)) << rig.notes();
+  send_goal_above(0.8);  // the last flight's frame is not the next one's
+  EXPECT_EQ(rig.companion.telemetry().goals_waiting, 0U);
 }
 
 // ---- ArduPilot, as its documentation has it: no flight of it was observed

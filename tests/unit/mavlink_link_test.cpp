@@ -698,6 +698,7 @@ TEST(LinkGoals, ComeInTheAutopilotsFrameOrInTheMaps) {
   EXPECT_NEAR(goal->position.y(), 21, kTolerance);
   EXPECT_NEAR(goal->position.z(), 1, kTolerance);
   EXPECT_FALSE(goal->yaw.has_value());
+  EXPECT_TRUE(goal->local);
   EXPECT_TRUE(goal->from == kGroundStation);
   EXPECT_FALSE(bench.link.take_goal().has_value());
 
@@ -709,6 +710,7 @@ TEST(LinkGoals, ComeInTheAutopilotsFrameOrInTheMaps) {
   goal = bench.link.take_goal();
   ASSERT_TRUE(goal.has_value());
   EXPECT_NEAR(goal->position.z(), 7, kTolerance);
+  EXPECT_FALSE(goal->local);
   ASSERT_TRUE(goal->yaw.has_value());
   EXPECT_NEAR(*goal->yaw, 1, kTolerance);
 }

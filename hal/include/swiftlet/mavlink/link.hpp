@@ -106,6 +106,7 @@ struct RateSetpoint {
 struct Goal {
   Vector3 position = Vector3::Zero();  ///< [m]
   std::optional<Real> yaw{};           ///< [rad]
+  bool local = false;                  ///< it was given in the autopilot's frame: wrong unless the frames are aligned
   Address from{};
 };
 
