@@ -12,11 +12,17 @@ constexpr std::uint16_t kCommandLand = 21;
 constexpr std::uint16_t kCommandPauseContinue = 193;
 constexpr std::uint16_t kCommandMissionStart = 300;
 
-constexpr Real kSameGoal = Real(0.01);       // [m] a ground station that repeats its goal
+constexpr Real kSameGoal = Real(0.01);       // [m] [rad] a ground station that repeats its goal
+constexpr TimeUs kStream = 3 * kSecondUs;    // within which it says nothing new by that
 constexpr TimeUs kAttitudeAgeMax = 100'000;  // behind the position, before it counts as missing
 constexpr float kMostOfLimit = 100;          // [m/s] [m/s^2] that a parameter may ask for
 
 TimeUs us(std::chrono::microseconds time) { return time.count(); }
+
+bool same(const mavlink::Goal& a, const mavlink::Goal& b) {
+  const bool same_yaw = a.yaw && b.yaw ? std::fabs(wrap_angle(*a.yaw - *b.yaw)) < kSameGoal : a.yaw == b.yaw;
+  return same_yaw && (a.position - b.position).norm() < kSameGoal;
+}
 
 }  // namespace
 
@@ -122,9 +128,11 @@ void Companion::obey() {
 void Companion::carry_out(const Word& word) {
   switch (word.kind) {
     case Word::Kind::kAddGoal:
-      return mission_.add_goal(word.a, word.yaw, replanner_.map());
+      mission_.add_goal(word.a, word.yaw, replanner_.map());
+      return;
     case Word::Kind::kSetGoal:
-      return mission_.set_goal(word.a, word.yaw, replanner_.map());
+      mission_.set_goal(word.a, word.yaw, replanner_.map());
+      return;
     case Word::Kind::kEngage:
       return mission_.engage();
     case Word::Kind::kRelease:
@@ -189,17 +197,22 @@ void Companion::receive(Microseconds now) {
   take_parameters();
 }
 
-/// A goal that comes over the link replaces all others, as a target does; its repetitions are no news.
+/// A goal that comes over the link replaces all others, as a target does. It is no news while it is waiting or flown
+/// to, nor in a stream of the like; one that was refused is tried again now and then.
 void Companion::take_goal() {
   const std::optional<mavlink::Goal> goal = link_.take_goal();
   if (!goal) return;
-  const bool same = last_link_goal_ && (last_link_goal_->position - goal->position).norm() < kSameGoal &&
-                    last_link_goal_->yaw.has_value() == goal->yaw.has_value();
-  last_link_goal_ = goal;
-  if (same) return;
+  const bool repeated = link_goal_ && same(*link_goal_, *goal);
+  if (repeated && (mission_.has_goal(link_goal_id_) || now_ < stream_until_)) {
+    if (link_goal_id_ != 0) stream_until_ = now_ + kStream;
+    return;
+  }
+  stream_until_ = now_ + kStream;
+  link_goal_ = goal;
+  link_goal_id_ = 0;
   if (goal->local && !mission_.aligned())
     return journal_.warn("goal in the autopilot's frame refused: the frames are not tied");
-  mission_.set_goal(goal->position, goal->yaw, replanner_.map());
+  link_goal_id_ = mission_.set_goal(goal->position, goal->yaw, replanner_.map());
 }
 
 void Companion::take_commands() {

@@ -130,7 +130,9 @@ class Companion {
   TimeUs last_setpoint_ = 0;
   bool wants_plan_ = false;
   TimeUs plan_wanted_since_ = 0;
-  std::optional<mavlink::Goal> last_link_goal_;
+  std::optional<mavlink::Goal> link_goal_;  // the latest that was news
+  std::uint32_t link_goal_id_ = 0;          // 0: it was refused
+  TimeUs stream_until_ = 0;                 // before it a repetition is no news
   std::uint32_t parameter_changes_ = 0;
   std::uint32_t noted_events_ = 0;
   std::uint32_t logged_notes_ = 0;

@@ -19,11 +19,11 @@ struct Goal {
 /// The goals to be flown to, first come, first served.
 class Goals {
  public:
-  /// False when there is no room.
-  bool add(const Vector3& position, std::optional<Real> yaw) {
-    if (size_ == kMostGoals) return false;
+  /// The new goal's id; 0 when there is no room.
+  std::uint32_t add(const Vector3& position, std::optional<Real> yaw) {
+    if (size_ == kMostGoals) return 0;
     goals_[(first_ + size_++) % kMostGoals] = {++last_id_, position, yaw};
-    return true;
+    return last_id_;
   }
   /// There must be one.
   void drop_first() {
@@ -32,6 +32,8 @@ class Goals {
   }
   void clear() { size_ = 0; }
 
+  /// Ids ascend from the first to the last.
+  [[nodiscard]] bool contains(std::uint32_t id) const { return size_ > 0 && goals_[first_].id <= id && id <= last_id_; }
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(size_); }
   [[nodiscard]] const Goal* first() const { return size_ > 0 ? &goals_[first_] : nullptr; }
 

@@ -65,19 +65,24 @@ bool Mission::accepts(const Vector3& position, const BoxGraphView& map) {
   return false;
 }
 
-void Mission::add_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map) {
-  if (!accepts(position, map)) return;
+std::uint32_t Mission::add_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map) {
+  if (!accepts(position, map)) return 0;
   Line line("goal ");
   line << position;
-  if (!goals_.add(position, yaw)) return journal_.warn(line << " refused: too many goals");
+  const std::uint32_t id = goals_.add(position, yaw);
+  if (id == 0) {
+    journal_.warn(line << " refused: too many goals");
+    return 0;
+  }
   stopped_ = false;
   journal_.info(line << " taken");
+  return id;
 }
 
-void Mission::set_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map) {
-  if (!accepts(position, map)) return;
+std::uint32_t Mission::set_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map) {
+  if (!accepts(position, map)) return 0;
   goals_.clear();
-  add_goal(position, yaw, map);
+  return add_goal(position, yaw, map);
 }
 
 // ---- What the autopilot says

@@ -34,9 +34,9 @@ class Mission {
   void release();
   void stop();
   void land();
-  /// Goals that are not free are refused; so are goals for which there is no room.
-  void add_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map);
-  void set_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map);
+  /// Goals that are not free are refused; so are goals for which there is no room. The goal's id, 0 when refused.
+  std::uint32_t add_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map);
+  std::uint32_t set_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map);
   /// The reference no longer leads where it should: what is wanted is planned anew.
   void plan_anew() { planned_ = 0; }
 
@@ -58,6 +58,8 @@ class Mission {
   void plan_ended(const PlanEnd& end);
 
   [[nodiscard]] bool aligned() const { return alignment_.aligned(); }
+  /// Whether the goal of that id waits or is flown to.
+  [[nodiscard]] bool has_goal(std::uint32_t id) const { return goals_.contains(id); }
   [[nodiscard]] std::uint32_t goals_reached() const { return reached_; }
   [[nodiscard]] std::uint32_t goals_waiting() const { return goals_.size(); }
 

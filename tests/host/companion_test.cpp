@@ -795,6 +795,88 @@ TEST(Companion, AGroundStationsGoalIsFlownToAndARefusedOneIsAnswered) {
   EXPECT_TRUE(rig.run_until(30, is_done)) << rig.notes();
 }
 
+/// The goal over the link is reached: the `count`th.
+bool reaches(Rig& rig, std::uint32_t count) {
+  return rig.run_until(30, [count](const Telemetry& t) { return t.goals_reached == count; });
+}
+
+constexpr double kSilence = 3.1;  // [s] after which a goal over the link is no repetition
+
+TEST(Companion, ALinkGoalOfTheSamePlaceWithAnotherYawIsNews) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  GroundStation station(rig);
+  station.send_goal(kSide, 0);
+  ASSERT_TRUE(reaches(rig, 1)) << rig.notes();
+  station.send_goal(kSide, 1.57);
+  ASSERT_TRUE(reaches(rig, 2)) << rig.notes();
+  EXPECT_NEAR(tools::yaw_of(rig.sim.simulation().truth().attitude), 1.57, 0.15);
+}
+
+TEST(Companion, ALinkGoalIsFlownToAgainAfterAStop) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  GroundStation station(rig);
+  station.send_goal(kFar);
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  EXPECT_TRUE(rig.companion.stop());
+  rig.run(kSilence);
+  station.send_goal(kFar);
+  EXPECT_TRUE(reaches(rig, 1)) << rig.notes();
+}
+
+TEST(Companion, ALinkGoalIsFlownToAgainAfterAnotherOne) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  GroundStation station(rig);
+  station.send_goal(kSide);
+  ASSERT_TRUE(reaches(rig, 1)) << rig.notes();
+  EXPECT_TRUE(rig.companion.set_goal(kBack));
+  ASSERT_TRUE(reaches(rig, 2)) << rig.notes();
+  station.send_goal(kSide);
+  EXPECT_TRUE(reaches(rig, 3)) << rig.notes();
+}
+
+TEST(Companion, ALinkGoalThatWasRefusedIsTakenOnceItIsFree) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  GroundStation station(rig);
+  EXPECT_TRUE(rig.companion.block(7, {kSide - Vector3::Constant(0.1), kSide + Vector3::Constant(0.1)}));
+  rig.run(0.1);
+  station.send_goal(kSide);
+  rig.run(0.1);
+  ASSERT_TRUE(station.heard("refused: goal_not_free"));
+  EXPECT_TRUE(rig.companion.unblock(7));
+  for (double t = 0; t < kSilence; t += 0.2) {
+    rig.run(0.2);
+    station.send_goal(kSide);  // streamed
+  }
+  EXPECT_TRUE(reaches(rig, 1)) << rig.notes();
+}
+
+TEST(Companion, AStreamedLinkGoalIsFlownToOnceAndDoesNotUndoAStop) {
+  Rig rig;
+  ASSERT_TRUE(rig.take_off());
+  GroundStation station(rig);
+  const auto stream = [&](double seconds, const auto& condition) {
+    for (double t = 0; t < seconds; t += 0.5) {
+      station.send_goal(kFar);
+      if (rig.run_until(0.5, condition)) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(stream(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().plan.id, 1U) << rig.notes();
+  EXPECT_FALSE(stream(5, [](const Telemetry& t) { return t.plan.id > 1; })) << rig.notes();
+  rig.run(kSilence);
+  EXPECT_TRUE(rig.companion.set_goal(kBack));
+  ASSERT_TRUE(reaches(rig, 2)) << rig.notes();
+  ASSERT_TRUE(stream(5, is_flying)) << rig.notes();
+  EXPECT_TRUE(rig.companion.stop());
+  ASSERT_TRUE(stream(3, is_holding)) << rig.notes();
+  EXPECT_FALSE(stream(5, is_flying)) << rig.notes();
+}
+
 TEST(Companion, AGoalInTheLocalFrameIsRefusedUnlessTheFramesAreTied) {
   Rig rig;
   GroundStation station(rig);
