@@ -315,7 +315,7 @@ void Companion::follow(const Decision& decision) {
   if (decision.brake) store_.brake(now_);
   const bool leads_elsewhere = decision.brake || decision.hold_here || decision.position_shift.squaredNorm() > 0;
   if (leads_elsewhere) mission_.plan_anew();
-  mission_.advance({now_, decision, replanner_.map(), has_estimate_, estimate_}, store_);
+  mission_.advance({now_, decision, replanner_, has_estimate_, estimate_}, store_);
 }
 
 // ---- Steering

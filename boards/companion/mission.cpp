@@ -198,7 +198,7 @@ void Mission::enter_control(const MissionView& view, TrajectoryStore& store) {
   if (!alignment_.aligned())
     return journal_.warn("found in the air: where is not known, holding; land it by hand or by word");
   if (height(view.estimate) > kLifted) return;
-  const std::optional<Vector3> target = climb_target(view.map, alignment_.place(), settings_.takeoff.height);
+  const std::optional<Vector3> target = way_up(view);
   if (!target) {  // it was there when control was asked for
     lands_ = true;
     return journal_.warn("nothing is free above the start");
@@ -215,7 +215,7 @@ void Mission::enter_control(const MissionView& view, TrajectoryStore& store) {
 void Mission::ask_for_control(const MissionView& view) {
   const mavlink::AutopilotState& autopilot = link_.autopilot();
   if (!autopilot.heard || view.now - ready_since_ < kStreamBefore) return;
-  if (!autopilot.armed && !climb_target(view.map, alignment_.place(), settings_.takeoff.height)) {
+  if (!autopilot.armed && !way_up(view)) {
     engaged_ = false;
     return journal_.warn("no start: nothing is free above the start");
   }
@@ -226,19 +226,31 @@ void Mission::ask_for_control(const MissionView& view) {
   }
 }
 
-void Mission::take_off(const MissionView& view, const TrajectoryStore& store) {
+/// Where the climb leads, if that is free and nothing that is blocked lies on the way.
+std::optional<Vector3> Mission::way_up(const MissionView& view) const {
+  const Vector3& place = alignment_.place();
+  const std::optional<Vector3> target = climb_target(view.replanner.map(), place, settings_.takeoff.height);
+  return target && !view.replanner.way_blocked(place, *target) ? target : std::nullopt;
+}
+
+void Mission::take_off(const MissionView& view, TrajectoryStore& store) {
   if (climbing_) return climb(view, store);
   settle(view, store);
 }
 
 /// PX4's own take-off, with its ramp, on the position form: the height that counts is the measured one.
-void Mission::climb(const MissionView& view, const TrajectoryStore& store) {
+void Mission::climb(const MissionView& view, TrajectoryStore& store) {
   const Vector3 target = store.sample(view.now).position;
   if (autopilot_climbs() && height(view.estimate) < kLifted)
     requests_.ask_to_take_off(target.z() - alignment_.place().z(), view.now);
   if (view.now - takeoff_since_ > settings_.takeoff.patience) {
     journal_.warn("the take-off takes too long");
     lands_ = true;
+  }
+  if (view.replanner.way_blocked(view.estimate.position, target)) {
+    journal_.warn("the way up is blocked: landing");
+    lands_ = true;
+    return store.hold(view.estimate.position, view.now);
   }
   const Real missing = target.z() - view.estimate.position.z();
   if (missing > settings_.takeoff.tolerance || std::fabs(view.estimate.velocity.z()) > kSlow) return;

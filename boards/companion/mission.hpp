@@ -18,7 +18,7 @@ namespace swiftlet::companion {
 struct MissionView {
   TimeUs now = 0;
   Decision decision;
-  BoxGraphView map;
+  const Replanner& replanner;
   bool has_estimate = false;
   VehicleState estimate;  ///< frame W
 };
@@ -73,8 +73,9 @@ class Mission {
   void note_control(const MissionView& view, TrajectoryStore& store);
   void enter_control(const MissionView& view, TrajectoryStore& store);
   void ask_for_control(const MissionView& view);
-  void take_off(const MissionView& view, const TrajectoryStore& store);
-  void climb(const MissionView& view, const TrajectoryStore& store);
+  [[nodiscard]] std::optional<Vector3> way_up(const MissionView& view) const;
+  void take_off(const MissionView& view, TrajectoryStore& store);
+  void climb(const MissionView& view, TrajectoryStore& store);
   void settle(const MissionView& view, const TrajectoryStore& store);
   void fly(const MissionView& view, const TrajectoryStore& store);
   void reach_goal(const MissionView& view, const TrajectoryStore& store);

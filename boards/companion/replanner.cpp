@@ -102,6 +102,15 @@ bool Replanner::path_blocked(const TrajectoryStore& store, TimeUs now) const {
   return !segments.empty() && !store.at_rest(from) && seen_.meets(segments, store.path_time_at(from));
 }
 
+bool Replanner::way_blocked(const Vector3& from, const Vector3& to) const {
+  Segment way;
+  way.duration = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    way.coefficients[static_cast<std::size_t>(axis)] = {from[axis], to[axis] - from[axis]};
+  }
+  return seen_.meets({&way, 1}, 0);
+}
+
 // ---- Plans
 
 PlanRequest Replanner::request_for(const Goal& goal, const State& start) const {

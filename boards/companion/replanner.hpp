@@ -41,6 +41,8 @@ class Replanner {
 
   /// Whether the rest of what `store` flies meets something blocked.
   [[nodiscard]] bool path_blocked(const TrajectoryStore& store, TimeUs now) const;
+  /// Whether the straight way between two points [m] meets something blocked.
+  [[nodiscard]] bool way_blocked(const Vector3& from, const Vector3& to) const;
 
   [[nodiscard]] bool under_way() const { return under_way_; }
   /// Begins a plan to `goal`, wanted since `trigger`; false when the reference cannot be spliced yet.

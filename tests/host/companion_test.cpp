@@ -407,6 +407,47 @@ TEST(Companion, ABlockedBoxIsFlownAroundOrStoppedBefore) {
   EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
 }
 
+TEST(Companion, ABlockedBoxAboveTheStartIsNoStartAndOneThatComesLaterEndsTheTakeOff) {
+  const Vector3 above = kStart + Vector3{0, 0, 0.6};
+  const Box box{above - Vector3::Constant(0.1), above + Vector3::Constant(0.1)};
+  Rig early;
+  EXPECT_TRUE(early.companion.block(1, box));
+  EXPECT_FALSE(early.take_off());
+  EXPECT_FALSE(early.autopilot().armed());
+  EXPECT_NE(early.notes().find("nothing is free above the start"), std::string::npos) << early.notes();
+  Rig late;
+  ASSERT_TRUE(late.arm_on_the_ground());
+  late.run(6);
+  ASSERT_EQ(late.companion.telemetry().phase, Phase::kTakeoff) << late.notes();
+  EXPECT_TRUE(late.companion.block(1, box));
+  double highest = 0;
+  EXPECT_TRUE(late.run_until(30, [&](const Telemetry& t) {
+    highest = std::max(highest, late.sim.simulation().truth().position.z());
+    return is_done(t);
+  })) << late.notes();
+  EXPECT_LT(highest, 0.2) << late.notes();
+}
+
+TEST(Companion, AClimbThatIsBlockedStopsBelowTheBoxAndLands) {
+  Settings settings = usual_settings();
+  settings.form = SetpointForm::kPosition;
+  settings.start = {3.2, 3.2, 0};
+  settings.takeoff.height = 2.2;
+  PixhawkSimSettings sim = usual_sim();
+  sim.simulation.start = settings.start;
+  Rig rig(settings, sim, hall());
+  EXPECT_TRUE(rig.companion.engage(true));
+  const auto height = [&] { return rig.sim.simulation().truth().position.z(); };
+  ASSERT_TRUE(rig.run_until(20, [&](const Telemetry&) { return height() > 0.3; })) << rig.notes();
+  EXPECT_TRUE(rig.companion.block(1, {{3, 3, 1.9}, {3.4, 3.4, 2}}));  // and the map's radius of 0.7 m
+  double highest = 0;
+  EXPECT_TRUE(rig.run_until(30, [&](const Telemetry& t) {
+    highest = std::max(highest, height());
+    return is_done(t);
+  })) << rig.notes();
+  EXPECT_LT(highest, 1.2);
+}
+
 TEST(Companion, ALatePlanIsDiscardedAndTheFlightHolds) {
   Rig rig(usual_settings(), usual_sim(), classroom(), 8);  // 80 ms; the splice lies 50 ms ahead
   ASSERT_TRUE(rig.take_off());
