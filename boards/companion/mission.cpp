@@ -311,16 +311,16 @@ void Mission::plan_ended(const PlanEnd& end) {
     return;
   }
   const bool has_plan = end.status == Status::kOk || end.status == Status::kFallback;
-  const bool too_long = has_plan && end.offer == OfferResult::kTooLong;
+  const bool no_use = has_plan && (end.offer == OfferResult::kTooLong || end.hopeless);
   const Goal* goal = goals_.first();
   const bool is_first = goal != nullptr && goal->id == end.goal;
-  if (!is_first || (has_plan && !too_long)) return;  // planned anew
+  if (!is_first || (has_plan && !no_use)) return;  // planned anew
   if (!end.from_rest) {
     pauses_ = true;
     return;
   }
   Line line("goal ");
-  journal_.warn(line << goal->position << " given up: " << (too_long ? describe(end.offer) : describe(end.status)));
+  journal_.warn(line << goal->position << " given up: " << (no_use ? describe(end.offer) : describe(end.status)));
   goals_.drop_first();
 }
 

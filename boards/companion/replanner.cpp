@@ -8,6 +8,9 @@ namespace {
 // [m] by which the state that a splice asks for may lie outside the map's free space: the store's limit for a jump.
 constexpr Real kSnap = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-4);
 
+// From rest, each plan in a row that came late is followed by one that is given twice as long.
+constexpr std::uint32_t kMostDoublings = 6;
+
 bool is_certified(const Plan& plan) { return plan.status == Status::kOk || plan.status == Status::kFallback; }
 
 /// What a brake must keep. A limit of jerk on each axis has no equal there: the plan's own jerk stands for it.
@@ -130,7 +133,8 @@ PlanRequest Replanner::request_for(const Goal& goal, const State& start) const {
 }
 
 bool Replanner::begin(const Goal& goal, TimeUs trigger, TrajectoryStore& store, TimeUs now) {
-  splice_ = store.begin(now, settings_.planning.latency);
+  const std::uint32_t doublings = store.at_rest(now) ? std::min(late_in_row_, kMostDoublings) : 0;
+  splice_ = store.begin(now, settings_.planning.latency << doublings);
   if (splice_.id == 0) return false;
   bring_up_to_date();
   goal_ = goal;
@@ -178,6 +182,7 @@ std::optional<PlanEnd> Replanner::poll(bool wanted, TrajectoryStore& store, Time
   const bool is_late = end.offer == OfferResult::kLate;
   late_ += is_late ? 1 : 0;
   late_in_row_ = is_late ? late_in_row_ + 1 : end.committed ? 0 : late_in_row_;
+  end.hopeless = is_late && end.from_rest && late_in_row_ > kMostDoublings;
   if (end.committed) {
     commit(plan, store, now);
   } else {

@@ -18,6 +18,7 @@ struct PlanEnd {
   Status status = Status::kBadRequest;             ///< the planner's
   OfferResult offer = OfferResult::kNotCertified;  ///< the store's; means something with a certified plan only
   bool committed = false;
+  bool hopeless = false;  ///< late although it was given all the time there is
   std::uint32_t goal = 0;
   bool from_rest = true;
 };

@@ -448,13 +448,35 @@ TEST(Companion, AClimbThatIsBlockedStopsBelowTheBoxAndLands) {
   EXPECT_LT(highest, 1.2);
 }
 
-TEST(Companion, ALatePlanIsDiscardedAndTheFlightHolds) {
+TEST(Companion, ALatePlanFromRestIsDiscardedAndTheNextOneGivenMoreTime) {
   Rig rig(usual_settings(), usual_sim(), classroom(), 8);  // 80 ms; the splice lies 50 ms ahead
   ASSERT_TRUE(rig.take_off());
   EXPECT_TRUE(rig.companion.add_goal(kFar));
-  rig.run(1);
-  EXPECT_GT(rig.companion.telemetry().deadline_misses, 3U);
+  rig.run(0.15);
+  EXPECT_EQ(rig.companion.telemetry().deadline_misses, 1U);
   EXPECT_EQ(rig.companion.telemetry().plan.id, 0U);
+  ASSERT_TRUE(rig.run_until(1, is_flying)) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().deadline_misses, 1U);
+}
+
+TEST(Companion, LatePlansInFlightEndInABrakeAndInTimeForAPlanFromRest) {
+  Rig rig(usual_settings(), usual_sim(), classroom(), 8);
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(0.6);
+  EXPECT_TRUE(rig.companion.set_goal(kBack));
+  ASSERT_TRUE(rig.run_until(1, [](const Telemetry& t) { return t.reason == Reason::kDeadlineMisses; })) << rig.notes();
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.goals_reached == 1; })) << rig.notes();
+  EXPECT_LT((rig.companion.telemetry().estimate.position - kBack).norm(), kTube);
+}
+
+TEST(Companion, AGoalWhosePlansAreAlwaysLateIsGivenUpWithAReason) {
+  Rig rig(usual_settings(), usual_sim(), classroom(), 400);  // 4 s
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  EXPECT_TRUE(rig.run_until(40, [](const Telemetry& t) { return t.goals_waiting == 0; })) << rig.notes();
+  EXPECT_NE(rig.notes().find("given up: too late"), std::string::npos) << rig.notes();
   EXPECT_EQ(rig.companion.telemetry().state, FlightState::kHolding);
 }
 
