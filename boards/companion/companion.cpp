@@ -140,7 +140,8 @@ void Companion::carry_out(const Word& word) {
     case Word::Kind::kStop:
       return mission_.stop();
     case Word::Kind::kLand:
-      return mission_.land();
+      mission_.land();
+      return;
     case Word::Kind::kBlock:
       return block_box(word);
     case Word::Kind::kUnblock:
@@ -217,18 +218,31 @@ void Companion::take_goal() {
 
 void Companion::take_commands() {
   while (const std::optional<mavlink::ReceivedCommand> command = link_.take_command()) {
-    mavlink::CommandResult result = mavlink::CommandResult::kAccepted;
-    if (command->command == kCommandLand) {
-      mission_.land();
-    } else if (command->command == kCommandPauseContinue && command->param[0] == 0) {
-      mission_.stop();
-    } else if (command->command == kCommandMissionStart) {
-      mission_.engage();
-    } else {
-      result = mavlink::CommandResult::kUnsupported;
-    }
-    link_.answer(*command, result);
+    link_.answer(*command, carry_out(*command));
   }
+}
+
+mavlink::CommandResult Companion::carry_out(const mavlink::ReceivedCommand& command) {
+  const auto result_of = [](bool done) {
+    return done ? mavlink::CommandResult::kAccepted : mavlink::CommandResult::kTemporarilyRejected;
+  };
+  if (command.command == kCommandLand) return result_of(mission_.land());
+  if (command.command == kCommandMissionStart) return result_of(engage_at_once());
+  if (command.command != kCommandPauseContinue || command.param[0] != 0) return mavlink::CommandResult::kUnsupported;
+  mission_.stop();
+  return mavlink::CommandResult::kAccepted;
+}
+
+/// Over the link nobody waits for what is missing: what cannot start now is refused.
+bool Companion::engage_at_once() {
+  const bool hindered = telemetry_.state == FlightState::kIdle && telemetry_.reason >= Reason::kLinkLost;
+  if (hindered || !mission_.can_start(replanner_)) {
+    journal_.warn(Line("refused to start: ")
+                  << (hindered ? describe(telemetry_.reason) : "nothing is free above the start"));
+    return false;
+  }
+  mission_.engage();
+  return true;
 }
 
 void Companion::take_texts() {

@@ -85,6 +85,8 @@ class Companion {
   void receive(Microseconds now);
   void take_goal();
   void take_commands();
+  mavlink::CommandResult carry_out(const mavlink::ReceivedCommand& command);
+  bool engage_at_once();
   void take_texts();
   void take_parameters();
   void obey();

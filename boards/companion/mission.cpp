@@ -47,9 +47,10 @@ void Mission::stop() {
   stopped_ = true;
 }
 
-void Mission::land() {
-  if (!in_flight()) return journal_.warn("refused to land: not in flight");
-  lands_ = true;
+bool Mission::land() {
+  if (in_flight()) return lands_ = true;
+  journal_.warn("refused to land: not in flight");
+  return false;
 }
 
 bool Mission::accepts(const Vector3& position, const BoxGraphView& map) {
@@ -198,7 +199,7 @@ void Mission::enter_control(const MissionView& view, TrajectoryStore& store) {
   if (!alignment_.aligned())
     return journal_.warn("found in the air: where is not known, holding; land it by hand or by word");
   if (height(view.estimate) > kLifted) return;
-  const std::optional<Vector3> target = way_up(view);
+  const std::optional<Vector3> target = way_up(view.replanner);
   if (!target) {  // it was there when control was asked for
     lands_ = true;
     return journal_.warn("nothing is free above the start");
@@ -215,7 +216,7 @@ void Mission::enter_control(const MissionView& view, TrajectoryStore& store) {
 void Mission::ask_for_control(const MissionView& view) {
   const mavlink::AutopilotState& autopilot = link_.autopilot();
   if (!autopilot.heard || view.now - ready_since_ < kStreamBefore) return;
-  if (!autopilot.armed && !way_up(view)) {
+  if (!can_start(view.replanner)) {
     engaged_ = false;
     return journal_.warn("no start: nothing is free above the start");
   }
@@ -227,10 +228,10 @@ void Mission::ask_for_control(const MissionView& view) {
 }
 
 /// Where the climb leads, if that is free and nothing that is blocked lies on the way.
-std::optional<Vector3> Mission::way_up(const MissionView& view) const {
+std::optional<Vector3> Mission::way_up(const Replanner& replanner) const {
   const Vector3& place = alignment_.place();
-  const std::optional<Vector3> target = climb_target(view.replanner.map(), place, settings_.takeoff.height);
-  return target && !view.replanner.way_blocked(place, *target) ? target : std::nullopt;
+  const std::optional<Vector3> target = climb_target(replanner.map(), place, settings_.takeoff.height);
+  return target && !replanner.way_blocked(place, *target) ? target : std::nullopt;
 }
 
 void Mission::take_off(const MissionView& view, TrajectoryStore& store) {

@@ -33,7 +33,9 @@ class Mission {
   void engage();
   void release();
   void stop();
-  void land();
+  bool land();  ///< False: not in flight.
+  /// Whether something, if it is not in the air, keeps it from climbing at its start.
+  [[nodiscard]] bool can_start(const Replanner& replanner) const { return armed_ || way_up(replanner).has_value(); }
   /// Goals that are not free are refused; so are goals for which there is no room. The goal's id, 0 when refused.
   std::uint32_t add_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map);
   std::uint32_t set_goal(const Vector3& position, std::optional<Real> yaw, const BoxGraphView& map);
@@ -73,7 +75,7 @@ class Mission {
   void note_control(const MissionView& view, TrajectoryStore& store);
   void enter_control(const MissionView& view, TrajectoryStore& store);
   void ask_for_control(const MissionView& view);
-  [[nodiscard]] std::optional<Vector3> way_up(const MissionView& view) const;
+  [[nodiscard]] std::optional<Vector3> way_up(const Replanner& replanner) const;
   void take_off(const MissionView& view, TrajectoryStore& store);
   void climb(const MissionView& view, TrajectoryStore& store);
   void settle(const MissionView& view, const TrajectoryStore& store);

@@ -230,6 +230,17 @@ class GroundStation {
   void send_command(std::uint16_t command) {
     put(codec_.encode(mavlink::CommandLong{{1, mavlink::kPathPlannerComponent}, command, 0, {}}));
   }
+  /// The companion's latest answer to a command.
+  std::optional<mavlink::CommandResult> answer(std::uint16_t command) {
+    mavlink::Codec reader({255, 190});
+    std::span<const std::byte> bytes(rig_.uart.written);
+    std::optional<mavlink::CommandResult> result;
+    while (const auto frame = reader.receive(bytes)) {
+      const auto ack = mavlink::decode<mavlink::CommandAck>(*frame);
+      if (ack && ack->command == command) result = ack->result;
+    }
+    return result;
+  }
   /// Whether the companion has ever sent such a text.
   bool heard(std::string_view words) {
     mavlink::Codec reader({255, 190});
@@ -854,8 +865,50 @@ TEST(Companion, AGroundStationsGoalIsFlownToAndARefusedOneIsAnswered) {
   station.send_goal(kInTheScreen);
   rig.run(0.2);
   EXPECT_TRUE(station.heard("refused: goal_not_free"));
-  station.send_command(21);  // MAV_CMD_NAV_LAND
+  station.send_command(21);
   EXPECT_TRUE(rig.run_until(30, is_done)) << rig.notes();
+}
+
+constexpr std::uint16_t kLand = 21;           // MAV_CMD_NAV_LAND
+constexpr std::uint16_t kMissionStart = 300;  // MAV_CMD_MISSION_START
+
+TEST(Companion, ACommandThatCannotBeCarriedOutIsRejected) {
+  using mavlink::CommandResult;
+  PixhawkSimSettings sim = usual_sim();
+  sim.faults = {*tools::parse_fault("odometry-nan@0.2+0.5")};
+  Rig rig(usual_settings(), sim);
+  GroundStation station(rig);
+  const auto answer_to = [&](std::uint16_t command) {
+    station.send_command(command);
+    rig.run(0.1);
+    return station.answer(command);
+  };
+  rig.run(0.6);
+  EXPECT_EQ(answer_to(kMissionStart), CommandResult::kTemporarilyRejected);  // no estimate
+  rig.run(1);
+  EXPECT_EQ(rig.companion.telemetry().state, FlightState::kIdle);
+  EXPECT_EQ(answer_to(kLand), CommandResult::kTemporarilyRejected);
+  EXPECT_TRUE(rig.companion.block(1, {kStart - Vector3::Constant(0.1), kStart + Vector3::Constant(0.1)}));
+  rig.run(3.5);  // a command that comes again sooner would be a repetition
+  EXPECT_EQ(answer_to(kMissionStart), CommandResult::kTemporarilyRejected);
+  EXPECT_TRUE(rig.companion.unblock(1));
+  rig.run(3.5);
+  EXPECT_EQ(rig.companion.telemetry().state, FlightState::kIdle);
+  EXPECT_EQ(answer_to(kMissionStart), CommandResult::kAccepted);
+  ASSERT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.phase == Phase::kMission; })) << rig.notes();
+  EXPECT_EQ(answer_to(kLand), CommandResult::kAccepted);
+  EXPECT_TRUE(rig.run_until(30, is_done)) << rig.notes();
+}
+
+TEST(Companion, AStartInAMapThatDoesNotCoverTheMarginsIsRejected) {
+  Settings settings = usual_settings();
+  settings.margins.vehicle_radius = 0.13;
+  Rig rig(settings);
+  GroundStation station(rig);
+  rig.run(1);
+  station.send_command(kMissionStart);
+  rig.run(0.1);
+  EXPECT_EQ(station.answer(kMissionStart), mavlink::CommandResult::kTemporarilyRejected);
 }
 
 /// The goal over the link is reached: the `count`th.
