@@ -176,6 +176,7 @@ void Companion::change_limits(Real v_max, Real a_max) {
 
 void Companion::step(std::chrono::microseconds now) {
   if (log_ != nullptr) log_->begin_step(us(now));
+  if (const TimeUs jump = supervisor_.clock_jump(us(now)); jump != 0) shift_clock(Microseconds(jump));
   receive(now);
   obey();
   mission_.observe(now_);
@@ -186,6 +187,15 @@ void Companion::step(std::chrono::microseconds now) {
   plan(decision);
   report(decision);
   log_step();
+}
+
+/// Timers go on as if nothing had happened; the supervisor sees to stamps, the reference follows its decision.
+void Companion::shift_clock(Microseconds jump) {
+  link_.shift_clock(jump);
+  mission_.shift_clock(us(jump));
+  replanner_.shift_clock(us(jump));
+  plan_wanted_since_ += us(jump);
+  stream_until_ += us(jump);
 }
 
 void Companion::receive(Microseconds now) {

@@ -81,6 +81,8 @@ class Companion {
   static std::array<mavlink::Parameter, kParameterCount> make_parameters(const Settings& settings);
   static SupervisorSettings supervisor_settings(const Settings& settings);
 
+  void shift_clock(Microseconds jump);
+
   // The stages of a step, in their order.
   void receive(Microseconds now);
   void take_goal();

@@ -24,6 +24,8 @@ class FrameAlignment {
   /// estimate came after.
   bool step(TimeUs now);
 
+  void shift_clock(TimeUs jump) { begun_at_ += jump; }
+
   /// The autopilot restarted or was disarmed: its frame is no longer known.
   void forget();
   [[nodiscard]] bool aligned() const { return aligned_; }

@@ -121,6 +121,12 @@ void Mission::note_arming(TimeUs now) {
   if (armed_ && may_align()) (void)alignment_.step(now);
 }
 
+void Mission::shift_clock(TimeUs jump) {
+  requests_.shift_clock(jump);
+  alignment_.shift_clock(jump);
+  for (TimeUs* since : {&ready_since_, &takeoff_since_, &settled_since_, &rests_since_}) *since += jump;
+}
+
 void Mission::observe(TimeUs now) {
   requests_.step(now);
   note_arming(now);

@@ -42,6 +42,8 @@ class Mission {
   /// The reference no longer leads where it should: what is wanted is planned anew.
   void plan_anew() { planned_ = 0; }
 
+  void shift_clock(TimeUs jump);
+
   // Once a step, in this order.
   void observe(TimeUs now);
   void fill(SupervisorInputs& inputs) const;

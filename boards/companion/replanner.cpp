@@ -98,6 +98,12 @@ void Replanner::set_limits(Real v_max, Real a_max) {
   limits_.a_max = a_max;
 }
 
+/// The store takes no splice from before a jump, so that of a plan under way is of no use any more.
+void Replanner::shift_clock(TimeUs jump) {
+  trigger_ += jump;
+  committed_.start += jump;
+}
+
 bool Replanner::path_blocked(const TrajectoryStore& store, TimeUs now) const {
   if (seen_.boxes().empty()) return false;
   const TimeUs from = std::max(now, committed_.start);  // what is left of the old plan before a new one is short

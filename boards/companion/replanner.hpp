@@ -37,6 +37,7 @@ class Replanner {
   bool unblock(std::uint32_t id);
   /// Blocked boxes stay; kBufferTooSmall when they do not fit into the new map, which then has fewer.
   Status replace_map(const BoxGraphView& map);
+  void shift_clock(TimeUs jump);
   void set_limits(Real v_max, Real a_max);
   [[nodiscard]] const FlightLimits& limits() const { return limits_; }
 

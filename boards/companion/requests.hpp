@@ -14,6 +14,7 @@ class Requests {
   void step(TimeUs now);
   /// Nothing is wanted any more: what was not answered is not repeated.
   void cancel();
+  void shift_clock(TimeUs jump) { next_at_ += jump; }
 
   // May be called every step as long as it is wanted.
   void ask_for_mode(mavlink::Mode mode, TimeUs now);

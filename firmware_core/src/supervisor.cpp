@@ -95,16 +95,22 @@ TimeUs Supervisor::age(TimeUs stamp, TimeUs now) const {
 }
 
 /// A gap between steps that is negative, or too long for a stall, is a jump of the clock.
+TimeUs Supervisor::clock_jump(TimeUs now) const {
+  const TimeUs gap = stepped_ ? now - last_step_ : 0;
+  return gap < 0 || gap > settings_.clock_gap_max ? gap : 0;
+}
+
 void Supervisor::note_clock(TimeUs now, Decision& decision) {
+  const TimeUs jump = clock_jump(now);
   step_gap_ = stepped_ ? now - last_step_ : 0;
   stepped_ = true;
   last_step_ = now;
-  if (step_gap_ >= 0 && step_gap_ <= settings_.clock_gap_max) return;
-  decision.clock_shift = step_gap_;
-  clock_shift_ = step_gap_;
+  if (jump == 0) return;
+  decision.clock_shift = jump;
+  clock_shift_ = jump;
   clock_jumped_at_ = now;
-  odometry_.time += step_gap_;
-  blocked_since_ += step_gap_;
+  odometry_.time += jump;
+  blocked_since_ += jump;
 }
 
 /// Takes a new odometry sample over if it can be trusted, and compares it with what the last one foretold.

@@ -96,6 +96,15 @@ void Link::step(microseconds now) {
   send_due();
 }
 
+void Link::shift_clock(microseconds jump) {
+  start_ += jump;
+  next_heartbeat_ += jump;
+  next_time_sync_ = now_ + jump;  // the clocks meet anew
+  time_sync_asked_ = 0;
+  if (!requests_.empty()) requests_.front().next_at += jump;  // the others have not been sent yet
+  if (latest_command_.has_value()) latest_command_->at += jump;
+}
+
 // ---- Receiving
 
 void Link::receive() {

@@ -162,11 +162,12 @@ class Rig {
   tools::MemoryStorage storage;
   std::unique_ptr<FlightLog> log;
   Companion companion;
-  double worst_error = 0;  // [m] reference to truth, in the mission
+  double worst_error = 0;                     // [m] reference to truth, in the mission
+  std::chrono::microseconds clock_offset{0};  // of the companion's clock
 
   void step() {
     uart.advance(milliseconds(10));
-    companion.step(sim.time());
+    companion.step(sim.time() + clock_offset);
     ++steps_;
     const Telemetry& t = companion.telemetry();
     if (t.phase != Phase::kMission) return;
@@ -193,18 +194,26 @@ class Rig {
     return run_until(10, [](const Telemetry& t) { return t.armed; }) && !companion.telemetry().aligned;
   }
   tools::Autopilot& autopilot() { return sim.simulation().autopilot(); }
-  /// How often the companion has asked for a mode or for arming so far.
-  [[nodiscard]] int requests() const {
+  /// How many frames the companion has sent so far for which `wanted` is true.
+  template <typename Wanted>
+  [[nodiscard]] int count_sent(const Wanted& wanted) const {
     mavlink::Codec reader({255, 190});
     std::span<const std::byte> bytes(uart.written);
     int count = 0;
-    while (const auto frame = reader.receive(bytes)) {
-      const auto command = mavlink::decode<mavlink::CommandLong>(*frame);
-      const bool asks =
-          command && (command->command == mavlink::kCommandDoSetMode || command->command == mavlink::kCommandArmDisarm);
-      count += asks ? 1 : 0;
-    }
+    while (const auto frame = reader.receive(bytes)) count += wanted(*frame) ? 1 : 0;
     return count;
+  }
+  /// How often it has asked for a mode or for arming.
+  [[nodiscard]] int requests() const {
+    return count_sent([](const mavlink::Frame& frame) {
+      const auto command = mavlink::decode<mavlink::CommandLong>(frame);
+      return command &&
+             (command->command == mavlink::kCommandDoSetMode || command->command == mavlink::kCommandArmDisarm);
+    });
+  }
+  [[nodiscard]] int heartbeats() const {
+    return count_sent(
+        [](const mavlink::Frame& frame) { return mavlink::decode<mavlink::Heartbeat>(frame).has_value(); });
   }
   [[nodiscard]] std::string notes() const {
     std::string all;
@@ -779,6 +788,36 @@ TEST(Companion, ACompanionThatStartsOnTheGroundOfAnArmedVehicleWaitsUntilItKnows
     ASSERT_TRUE(second.telemetry().aligned || !in_control) << i;
   }
   EXPECT_EQ(second.telemetry().phase, Phase::kMission);
+}
+
+TEST(Companion, AClockThatJumpsBackDelaysNeitherTheHeartbeatNorALanding) {
+  Rig rig;
+  rig.clock_offset = std::chrono::seconds(100);
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal(kFar));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(0.5);
+  rig.clock_offset -= std::chrono::seconds(20);
+  rig.step();
+  EXPECT_EQ(rig.companion.telemetry().reason, Reason::kClockJump);
+  const int before = rig.heartbeats();
+  rig.run(3);
+  EXPECT_GE(rig.heartbeats() - before, 2);
+  EXPECT_TRUE(rig.companion.land());
+  EXPECT_TRUE(rig.run_until(12, is_done)) << rig.notes();
+}
+
+TEST(Companion, AClockThatJumpsAheadEndsNeitherTheStandingNorTheTakeOff) {
+  Rig rig;
+  ASSERT_TRUE(rig.arm_on_the_ground());
+  rig.run(1);
+  rig.clock_offset += std::chrono::seconds(25);
+  rig.run(2);
+  EXPECT_FALSE(rig.companion.telemetry().aligned);
+  ASSERT_TRUE(rig.run_until(10, [](const Telemetry& t) { return t.phase == Phase::kTakeoff; })) << rig.notes();
+  rig.run(1);
+  rig.clock_offset += std::chrono::seconds(25);
+  EXPECT_TRUE(rig.run_until(20, [](const Telemetry& t) { return t.phase == Phase::kMission; })) << rig.notes();
 }
 
 TEST(Companion, AMapReplacedUnderWayStopsTheFlightAndItGoesOnInTheNewOne) {

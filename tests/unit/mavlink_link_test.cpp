@@ -168,6 +168,28 @@ TEST(Link, CountsTheForeignTheUnusedAndTheLost) {
   EXPECT_EQ(bench.link.counters().lost_frames, 2);
 }
 
+TEST(Link, AnAnnouncedJumpOfTheClockDelaysNothing) {
+  Bench& bench = fresh_bench(without_rates());
+  the_clock.advance(100s);
+  bench.run(1500ms);
+  EXPECT_TRUE(bench.link.request_arm(true));
+  bench.run(100ms);
+  bench.hear([](const Frame&) {});
+  bench.link.shift_clock(-20s);
+  int heartbeats = 0;
+  int requests = 0;
+  for (int i = 0; i < 100; ++i) {
+    the_clock.advance(10ms);
+    bench.link.step(the_clock.now() - 20s);
+    bench.hear([&](const Frame& frame) {
+      heartbeats += decode<Heartbeat>(frame).has_value() ? 1 : 0;
+      requests += decode<CommandLong>(frame).has_value() ? 1 : 0;
+    });
+  }
+  EXPECT_EQ(heartbeats, 1);
+  EXPECT_EQ(requests, 3);
+}
+
 // ---- Requests
 
 TEST(LinkRequests, AChangeOfModeIsDoneWhenItIsSeenNotWhenItIsAcknowledged) {
@@ -240,6 +262,25 @@ TEST(LinkRequests, AreRepeatedThreeTimesWithTheCountOfRepetitions) {
   const auto outcome = bench.link.take_outcome();
   ASSERT_TRUE(outcome.has_value());
   EXPECT_EQ(outcome->kind, Outcome::Kind::kNoAnswer);
+}
+
+TEST(LinkRequests, ThatAreCancelledAreNotRepeatedButRatesAre) {
+  Bench& bench = fresh_bench({});
+  bench.say_heartbeat(kPx4Position);
+  bench.run(20ms);
+  EXPECT_TRUE(bench.link.request_arm(true));
+  EXPECT_TRUE(bench.link.request_mode(Mode::kOffboard));
+  bench.link.cancel_requests();
+  int rates = 0;
+  bench.run(1000ms);
+  bench.hear([&rates](const Frame& frame) {
+    const auto command = decode<CommandLong>(frame);
+    if (!command.has_value()) return;
+    EXPECT_EQ(command->command, kCommandSetMessageInterval);
+    ++rates;
+  });
+  EXPECT_GE(rates, 4);
+  EXPECT_FALSE(bench.link.take_outcome().has_value());
 }
 
 TEST(LinkRequests, AreCarriedOutOneAfterTheOther) {

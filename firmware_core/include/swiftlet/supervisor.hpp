@@ -130,6 +130,9 @@ class Supervisor {
 
   explicit Supervisor(const SupervisorSettings& settings) : settings_(settings) {}
 
+  /// By how much the clock has jumped if this step is made at `now`; 0: not at all. For timers of the caller's.
+  [[nodiscard]] TimeUs clock_jump(TimeUs now) const;
+
   /// To be called at a steady rate; reactions are as quick as that.
   Decision step(const SupervisorInputs& inputs);
 

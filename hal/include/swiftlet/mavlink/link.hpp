@@ -162,8 +162,10 @@ class Link {
   Link(hal::Uart& uart, const LinkConfig& config);
 
   /// Takes what was received, answers it, repeats what was not acknowledged, and sends what is due. Call it at least as
-  /// often as set-points are sent; reads at most 4096 bytes. `now` never goes back.
+  /// often as set-points are sent; reads at most 4096 bytes. `now` never goes back but by a jump that was announced.
   void step(std::chrono::microseconds now);
+  /// The caller's clock jumps by `jump` before the next step: what is due stays due, stamps stay what they were.
+  void shift_clock(std::chrono::microseconds jump);
 
   // What is known.
   [[nodiscard]] const AutopilotState& autopilot() const { return autopilot_; }
