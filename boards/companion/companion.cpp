@@ -16,6 +16,7 @@ constexpr Real kSameGoal = Real(0.01);       // [m] [rad] a ground station that 
 constexpr TimeUs kStream = 3 * kSecondUs;    // within which it says nothing new by that
 constexpr TimeUs kAttitudeAgeMax = 100'000;  // behind the position, before it counts as missing
 constexpr float kMostOfLimit = 100;          // [m/s] [m/s^2] that a parameter may ask for
+static_assert(Real(static_cast<float>(kLeastLimit)) >= kLeastLimit && Real(kMostOfLimit) <= kLargestLimit);
 
 TimeUs us(std::chrono::microseconds time) { return time.count(); }
 
@@ -81,14 +82,14 @@ void Companion::check_map(const BoxGraphView& map) {
 
 bool Companion::tell(const Word& word) {
   if (log_ != nullptr) log_->note_word(word);
-  const bool finite = word.a.allFinite() && word.b.allFinite() && (!word.yaw || std::isfinite(*word.yaw));
+  const bool usable = word.a.allFinite() && word.b.allFinite() && (!word.yaw || std::fabs(*word.yaw) <= kLargestInput);
   if (word.kind == Word::Kind::kLimits) {
     FlightLimits limits = settings_.limits;
     limits.v_max = word.a.x();
     limits.a_max = word.a.y();
     if (!is_usable(limits)) return false;
   }
-  return finite && words_.try_push_back(word);
+  return usable && words_.try_push_back(word);
 }
 
 bool Companion::add_goal(const Vector3& position, std::optional<Real> yaw) {

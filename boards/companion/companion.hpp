@@ -47,7 +47,7 @@ class Companion {
   void step(std::chrono::microseconds now);
 
   // The operator's words; they take effect in the next step, in order. False when they are refused at once: numbers
-  // that are not finite, or no room.
+  // that are not finite or beyond all reason, or no room.
   bool add_goal(const Vector3& position, std::optional<Real> yaw = {});  ///< [m] frame W; flown after those before it
   bool set_goal(const Vector3& position, std::optional<Real> yaw = {});  ///< flown to now, instead of all others
   bool engage(bool on);  ///< on: take off and fly, or take control anew; off: fall silent, the autopilot decides

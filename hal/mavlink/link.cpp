@@ -26,6 +26,8 @@ constexpr microseconds kProgress = seconds(3);
 constexpr std::uint8_t kMaxTransmissions = 4;
 constexpr microseconds kRepetitionWindow = seconds(3);
 
+constexpr float kLargestYaw = 1e6F;  // [rad] of a goal; there is no turn in the digits of more
+
 constexpr std::array kDefaultRates{
     MessageRate{LocalPositionNed::kId, 50},
     MessageRate{AttitudeQuaternion::kId, 100},
@@ -514,7 +516,7 @@ void Link::take(const SetPositionTarget& target, const Frame& frame) {
   if (!is_authorised(frame)) return;
   const bool has_yaw = (target.type_mask & kIgnoreYaw) == 0;
   const bool usable = (target.type_mask & kIgnorePosition) == 0 && target.position.value.allFinite() &&
-                      (!has_yaw || std::isfinite(target.yaw)) &&
+                      (!has_yaw || std::fabs(target.yaw) <= kLargestYaw) &&
                       (target.frame == kFrameLocalNed || target.frame == kFrameLocalFlu);
   if (!usable) {
     ++counters_.refused_values;

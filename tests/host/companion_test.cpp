@@ -507,6 +507,7 @@ TEST(Companion, AGoalThatIsNotFreeIsRefusedWithAReasonAndTheFlightHolds) {
   ASSERT_TRUE(rig.take_off());
   EXPECT_TRUE(rig.companion.add_goal(kInTheScreen));
   EXPECT_FALSE(rig.companion.add_goal({NAN, 0, 0}));
+  EXPECT_FALSE(rig.companion.add_goal(kFar, 1e9));
   rig.run(0.5);
   EXPECT_NE(rig.notes().find("refused: goal_not_free"), std::string::npos);
   EXPECT_EQ(rig.companion.telemetry().goals_waiting, 0U);

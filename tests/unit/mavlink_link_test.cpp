@@ -763,11 +763,15 @@ TEST(LinkGoals, ThatAreNoneAreRefused) {
   SetPositionTarget message = goal_message({0, 0, 0}, kFrameLocalNed);
   message.type_mask = kIgnorePosition;
   bench.say(bench.station, message);
+  message = goal_message({0, 0, 0}, kFrameLocalFlu);
+  message.type_mask = static_cast<std::uint16_t>(message.type_mask & ~kIgnoreYaw);
+  message.yaw = 1e9F;
+  bench.say(bench.station, message);
   message = goal_message({0, 0, 0}, kFrameLocalNed);
   message.target = kAutopilot;  // somebody else's set-point, not our goal
   bench.say(bench.station, message);
   EXPECT_FALSE(bench.link.take_goal().has_value());
-  EXPECT_EQ(bench.link.counters().refused_values, 3);
+  EXPECT_EQ(bench.link.counters().refused_values, 4);
   EXPECT_EQ(bench.link.counters().foreign, 1);
 }
 
