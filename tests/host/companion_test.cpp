@@ -410,7 +410,32 @@ TEST(Companion, NewLimitsReplanWhatIsUnderWay) {
   EXPECT_LE(rig.companion.telemetry().plan.certificate.max_speed.maxCoeff(), 0.5 + 1e-6);
 }
 
-TEST(Companion, ABlockedBoxIsFlownAroundOrStoppedBefore) {
+TEST(Companion, ABlockedBoxOnTheWayIsFlownAroundWithoutAStop) {
+  Settings settings = usual_settings();
+  settings.start = {3.2, 3.2, 0};
+  PixhawkSimSettings sim = usual_sim();
+  sim.simulation.start = settings.start;
+  Rig rig(settings, sim, hall());
+  ASSERT_TRUE(rig.take_off()) << rig.notes();
+  EXPECT_TRUE(rig.companion.add_goal({9, 3.2, 1.2}));
+  ASSERT_TRUE(rig.run_until(5, is_flying));
+  rig.run(1);
+  const Box box{{6.2, 3, 0}, {6.6, 3.4, 3.2}};
+  const auto distance = [&](const Vector3& p) { return (p - p.cwiseMax(box.lo).cwiseMin(box.hi)).norm(); };
+  ASSERT_GT(distance(rig.sim.simulation().truth().position), 1.5);
+  EXPECT_TRUE(rig.companion.block(7, box));
+  double nearest = 100;
+  ASSERT_TRUE(rig.run_until(30, [&](const Telemetry& t) {
+    nearest = std::min(nearest, distance(rig.sim.simulation().truth().position));
+    return t.goals_reached == 1;
+  })) << rig.notes();
+  EXPECT_EQ(rig.notes().find("braking"), std::string::npos) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().plan.id, 2U);
+  EXPECT_GT(nearest, 0.7 - kTube);  // the map's radius and the tube
+  EXPECT_LT(nearest, 2);            // and it was on the way
+}
+
+TEST(Companion, ABlockedBoxAtTheGoalIsStoppedBefore) {
   Rig rig;
   ASSERT_TRUE(rig.take_off());
   EXPECT_TRUE(rig.companion.add_goal(kFar));
