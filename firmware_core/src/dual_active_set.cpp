@@ -79,6 +79,14 @@ DualActiveSet::DualActiveSet(const QpSpans& spans, std::size_t block_count, std:
   std::copy(spans_.optimum.begin(), spans_.optimum.end(), spans_.solution.begin());
 }
 
+Real DualActiveSet::distance2() const {
+  Real sum = 0;
+  for (std::size_t j = 0; j < active_count_; ++j) {
+    sum += spans_.multipliers[j] * (row_value(spans_.rows[j], spans_.optimum) - spans_.rows[j].bound);
+  }
+  return sum;
+}
+
 Real DualActiveSet::residual() const {
   Real largest = 0;
   for (const QpRow& row : active_rows()) largest = std::max(largest, std::fabs(row_value(row, solution()) - row.bound));

@@ -148,16 +148,22 @@ inline void carry_over(Rows& rows) {
   }
 }
 
-/// The same after kDone rows were used up: at most three of those left matter, the rest is residual.
+Real square(Real x) { return x * x; }
+
+/// The same after kDone rows were used up: at most three of those left matter, the rest is residual, whose square is
+/// returned.
 template <std::size_t kDone>
-inline void reduce_and_carry_over(Rows& rows) {
+inline Real reduce_and_carry_over(Rows& rows) {
+  Real residual = 0;
   if constexpr (kRows - kDone > kCarried) {
     reflect<kDone, kBlockSize, kRhs>(rows);
     reflect<kDone + 1, kBlockSize + 1, kRhs>(rows);
     reflect<kDone + 2, kBlockSize + 2, kRhs>(rows);
     rows[kDone + 1][kBlockSize] = rows[kDone + 2][kBlockSize] = rows[kDone + 2][kBlockSize + 1] = 0;
+    for (std::size_t i = kDone + kCarried; i < kRows; ++i) residual += square(rows[i][kRhs]);
   }
   carry_over<kDone>(rows);
+  return residual;
 }
 
 /// The row that holds a junction near the middle of its gate.
@@ -173,8 +179,8 @@ inline void reduce_and_carry_over(Rows& rows) {
 }
 
 /// Eliminates a junction from the rows, whose outer block it is. A pinned position takes a row of its own, x =
-/// constant, and none of theirs.
-void eliminate_junction(const AxisProblem& problem, std::size_t k, Rows& rows, FactorBlock& block, Real* c) {
+/// constant, and none of theirs. Returns the cost that no junction can change any more.
+Real eliminate_junction(const AxisProblem& problem, std::size_t k, Rows& rows, FactorBlock& block, Real* c) {
   if constexpr (kHold > 0) rows[kHoldRow] = hold_row(problem, k);
   if (is_pinned(problem, k)) {
     const Real position = gate_middle(problem, k);
@@ -182,13 +188,13 @@ void eliminate_junction(const AxisProblem& problem, std::size_t k, Rows& rows, F
     reflect<0, 1, kRhs>(rows);
     reflect<1, 2, kRhs>(rows);
     store_block({Row{1, 0, 0, 0, 0, 0, position}, rows[0], rows[1]}, block, c);
-    reduce_and_carry_over<2>(rows);
+    return reduce_and_carry_over<2>(rows);
   } else {
     reflect<0, 0, kRhs>(rows);
     reflect<1, 1, kRhs>(rows);
     reflect<2, 2, kRhs>(rows);
     store_block({rows[0], rows[1], rows[2]}, block, c);
-    reduce_and_carry_over<3>(rows);
+    return reduce_and_carry_over<3>(rows);
   }
 }
 
@@ -198,6 +204,13 @@ Rows end_rows(const AxisProblem& problem, std::size_t segment, Side side) {
   put_segment(problem, segment, side, rows);
   carry_over<kCarried>(rows);
   return rows;
+}
+
+/// The cost of carried rows in which no unknown is left.
+Real residual_of(const Rows& rows) {
+  Real residual = 0;
+  for (std::size_t i = 0; i < kCarried; ++i) residual += square(rows[i][kRhs]);
+  return residual;
 }
 
 /// Turns c of junction k into its optimum, the inner neighbour's being known.
@@ -217,31 +230,33 @@ void junction_scales(std::span<const Real> durations, std::span<Real> scales) {
   for (std::size_t k = 0; k + 1 < durations.size(); ++k) scales[k] = std::sqrt(durations[k] * durations[k + 1]);
 }
 
-void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum) {
+Real factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum) {
   const std::size_t segments = problem.segment_count();
   const std::size_t junctions = segments - 1;
-  if (junctions == 0) return;
+  Rows left = end_rows(problem, 0, Side::kLeft);
+  if (junctions == 0) return residual_of(left);
   const std::size_t middle = middle_block(junctions);
   const auto unknowns = [&](std::size_t k) { return &optimum[kBlockSize * k]; };
-  Rows left = end_rows(problem, 0, Side::kLeft);
+  Real cost = 0;
   Rows right = end_rows(problem, segments - 1, Side::kRight);
   // In step, so that a processor may work on both halves at once; the left one is never the shorter.
   for (std::size_t k = 0; k < middle; ++k) {
     put_segment(problem, k + 1, Side::kLeft, left);
-    eliminate_junction(problem, k, left, factor[k], unknowns(k));
+    cost += eliminate_junction(problem, k, left, factor[k], unknowns(k));
     const std::size_t r = junctions - 1 - k;
     if (r <= middle) continue;
     put_segment(problem, r, Side::kRight, right);
-    eliminate_junction(problem, r, right, factor[r], unknowns(r));
+    cost += eliminate_junction(problem, r, right, factor[r], unknowns(r));
   }
   for (std::size_t i = 0; i < kCarried; ++i) left[kCarried + i] = right[i];
-  eliminate_junction(problem, middle, left, factor[middle], unknowns(middle));
+  cost += eliminate_junction(problem, middle, left, factor[middle], unknowns(middle));
   for (std::size_t distance = 1; distance <= middle; ++distance) {
     settle_junction(problem, middle - distance, middle - distance + 1, factor, optimum);
     if (middle + distance < junctions) {
       settle_junction(problem, middle + distance, middle + distance - 1, factor, optimum);
     }
   }
+  return cost + residual_of(left);
 }
 
 QuinticEnds segment_ends(const AxisProblem& problem, std::size_t segment, std::span<const Real> unknowns) {

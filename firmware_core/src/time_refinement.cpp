@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace swiftlet {
 namespace {
 
 constexpr int kMostHalvings = 6;
-constexpr Real kLargestStep = Real(1.5);  // factor on a duration in one step
 // No segment is refined to less than this share of the mean: the cost's condition grows with the ratio's fifth power.
 constexpr Real kShortestShare = Real(0.05);
 // The best trial may be feasible only within a trial's tolerance; then its durations are stretched a little.
@@ -20,16 +20,23 @@ Real sum(std::span<const Real> values) {
   return total;
 }
 
-/// Factor on one duration: the fourth root of -gradient / weight, its logarithm halved `halvings` times.
-Real step_factor(Real gradient, Real weight, int halvings) {
+/// Factor on one duration: the fourth root of -gradient / weight, at most `largest`, its logarithm halved `halvings`
+/// times.
+Real step_factor(Real gradient, Real weight, Real largest, int halvings) {
   Real factor = std::clamp(-gradient / weight, Real(1e-6), Real(1e6));
-  Real largest = kLargestStep;
   factor = std::sqrt(std::sqrt(factor));
   for (int i = 0; i < halvings; ++i) {
     factor = std::sqrt(factor);
     largest = std::sqrt(largest);
   }
   return std::clamp(factor, 1 / largest, largest);
+}
+
+/// The least time from a speed over a way [m] >= 0, within limits.
+Real least_time(Real way, Real speed, Real v_max, Real a_max) {
+  const Real reached = std::sqrt(speed * speed + 2 * a_max * way);
+  if (reached <= v_max) return 2 * way / std::max(reached + speed, std::numeric_limits<Real>::min());
+  return (way + (v_max - speed) * (v_max - speed) / (2 * a_max)) / v_max;
 }
 
 class Refinement {
@@ -44,12 +51,11 @@ class Refinement {
         trial_(spans.trial.first(durations.size())),
         gradient_(spans.gradient.first(durations.size())),
         segments_(segments.first(durations.size())),
-        report_(report) {}
+        report_(report),
+        last_work_(3 * kWorkOfSetUp * durations.size()) {}
 
   Status run() {
-    if (options_.work > 0) {
-      if (const Status status = improve(); status != Status::kOk) return status;
-    }
+    if (options_.work > 0) improve();
     return finish();
   }
 
@@ -86,11 +92,42 @@ class Refinement {
            options_.time_weight * slow_down_ * sum(durations);
   }
 
+  /// The least time that the way of a segment takes, at full speed but for the ends of the whole [s].
+  [[nodiscard]] Real least_duration(std::size_t i) const {
+    const Segment& segment = segments_[i];
+    Real least = 0;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      Real way = 0;
+      const auto& c = segment.coefficients[static_cast<std::size_t>(axis)];
+      for (std::size_t j = kQuinticTerms; j-- > 1;) way = (way + c[j]) * segment.duration;
+      const Real v_max = problem_.v_max[axis];
+      const Real direction = way < 0 ? Real(-1) : Real(1);
+      const auto from = [&](const State& end, Real part) {
+        const Real speed = std::clamp(direction * end.velocity[axis], Real(0), v_max);
+        return least_time(std::fabs(way) * part, speed, v_max, problem_.a_max[axis]);
+      };
+      const bool first = i == 0;
+      const bool last = i + 1 == segments_.size();
+      Real time = std::fabs(way) / v_max;
+      if (first || last) {
+        const Real part = first && last ? Real(0.5) : Real(1);
+        time = (first ? from(problem_.start, part) : Real(0)) + (last ? from(problem_.goal, part) : Real(0));
+      }
+      least = std::max(least, time);
+    }
+    return std::min(least, segment.duration);
+  }
+
   /// From the gradient at the durations, and slower where a bound of norm or jerk asks for it.
   void propose(int halvings) {
     const Real shortest = kShortestShare * sum(durations_) / static_cast<Real>(durations_.size());
     for (std::size_t i = 0; i < durations_.size(); ++i) {
-      Real factor = step_factor(gradient_[i], options_.time_weight, halvings);
+      Real factor = step_factor(gradient_[i], options_.time_weight, options_.largest_step, halvings);
+      if (factor < 1) {
+        const Real least = least_duration(i);
+        const Real held = std::max(4 * least / durations_[i] - 3, Real(0));
+        factor = held + (1 - held) * factor;
+      }
       // To first order no faster than the other bounds allow.
       if (options_.bounds.exceed_axes()) factor = std::max(factor, slow_down(segments_[i], options_.bounds));
       trial_[i] =
@@ -98,10 +135,8 @@ class Refinement {
     }
   }
 
-  Status improve() {
+  void improve() {
     const std::uint64_t limit = report_.work + options_.work;
-    const Status status = solve(durations_, kTrialEffort);
-    if (status != Status::kOk) return status;
     Real best = objective(durations_);
     Real best_slow_down = slow_down_;
     int halvings = 0;
@@ -112,7 +147,9 @@ class Refinement {
       } else {
         for (std::size_t i = 0; i < trial_.size(); ++i) trial_[i] = std::sqrt(trial_[i] * durations_[i]);
       }
-      const Real reached = solve(trial_, kTrialEffort) == Status::kOk ? objective(trial_) : kUnlimited;
+      SolveEffort effort = kTrialEffort;
+      if (!options_.bounds.exceed_axes()) effort.most_cost = best - options_.time_weight * sum(trial_);
+      const Real reached = solve(trial_, effort) == Status::kOk ? objective(trial_) : kUnlimited;
       current = reached < best;
       halvings += current ? 0 : 1;
       if (!current) continue;
@@ -123,7 +160,6 @@ class Refinement {
       if (is_last) break;
     }
     for (Real& duration : durations_) duration *= best_slow_down;
-    return status;
   }
 
   /// The trajectory of the durations, exactly.
@@ -146,7 +182,7 @@ class Refinement {
   std::span<Real> gradient_;
   std::span<Segment> segments_;
   TrajectoryReport& report_;
-  std::uint64_t last_work_ = 0;
+  std::uint64_t last_work_;  ///< of the last solve, which the next one is taken to need as well
   Real slow_down_ = 1;
 };
 

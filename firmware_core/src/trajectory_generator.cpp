@@ -202,10 +202,13 @@ Real remaining_excess(const AxisBounds& bounds, const Violation& violation, std:
 /// The solve of one axis: gates first, then extrema, until no bound is exceeded.
 class AxisSolve {
  public:
-  AxisSolve(const AxisBounds& bounds, const TrajectorySpans& spans)
+  /// `most_cost`: when the axis must cost more than this, the solve ends with kIterationLimit.
+  AxisSolve(const AxisBounds& bounds, const TrajectorySpans& spans, Real most_cost)
       : bounds_(bounds),
         violations_(spans.violations),
-        solver_(factored(bounds, spans.qp), bounds.axis.segment_count() - 1, step_limit(bounds)) {}
+        most_cost_(most_cost),
+        unconstrained_cost_(factor_jerk_cost(bounds.axis, spans.qp.factor, spans.qp.optimum)),
+        solver_(spans.qp, bounds.axis.segment_count() - 1, step_limit(bounds)) {}
 
   /// `labels`: rows to start from.
   Status run(std::span<const QpLabel> labels) {
@@ -226,22 +229,23 @@ class AxisSolve {
   [[nodiscard]] const DualActiveSet& solver() const { return solver_; }
   [[nodiscard]] const Violation& last() const { return last_; }
   [[nodiscard]] std::uint32_t rows_added() const { return rows_added_; }
+  /// Of the solution; under way a lower bound, since more rows only cost more [m^2/s^5].
+  [[nodiscard]] Real cost() const { return unconstrained_cost_ + solver_.distance2(); }
 
  private:
   [[nodiscard]] Real tolerance() const { return bounds_.problem->effort.tolerance; }
 
-  static const QpSpans& factored(const AxisBounds& bounds, const QpSpans& qp) {
-    factor_jerk_cost(bounds.axis, qp.factor, qp.optimum);
-    return qp;
-  }
-
   /// Rows of an earlier solve, rebuilt for this one's durations.
   Status start_from(std::span<const QpLabel> labels) {
-    if (labels.empty()) return Status::kOk;
     for (const QpLabel& label : labels) {
       if (const Status status = solver_.join(bound_row(bounds_, to_place(label))); status != Status::kOk) return status;
     }
-    return solver_.move();
+    return affordable(labels.empty() ? Status::kOk : solver_.move());
+  }
+
+  /// `status` of a step of the solver, unless the solution has become too dear.
+  [[nodiscard]] Status affordable(Status status) const {
+    return status == Status::kOk && cost() > most_cost_ ? Status::kIterationLimit : status;
   }
 
   /// Start and goal states are constants: no row can help where one is beyond its bound.
@@ -270,14 +274,14 @@ class AxisSolve {
     last_ = violation;
     ++rows_added_;
     const Pair pair = merging_ ? rows_around(row.label) : Pair{};
-    if (pair.count < 2) return solver_.enforce(row);
+    if (pair.count < 2) return affordable(solver_.enforce(row));
     RowPlace merged = to_place(row.label);
     const Real u0 = solver_.multipliers()[pair.first];
     const Real u1 = solver_.multipliers()[pair.second];
     const Real t0 = solver_.active_rows()[pair.first].label.where;
     const Real t1 = solver_.active_rows()[pair.second].label.where;
     if (u0 + u1 > 0) merged.tau = (u0 * t0 + u1 * t1) / (u0 + u1);
-    return solver_.merge(pair.first, pair.second, bound_row(bounds_, merged));
+    return affordable(solver_.merge(pair.first, pair.second, bound_row(bounds_, merged)));
   }
 
   /// The active rows that bound the same extremum as `label`.
@@ -312,7 +316,7 @@ class AxisSolve {
           if (status == Status::kOk) status = solver_.join(gate_bound(violation));
         }
         rows_added_ += static_cast<std::uint32_t>(count);
-        if (status == Status::kOk) status = solver_.move();
+        if (status == Status::kOk) status = affordable(solver_.move());
       }
       if (status != Status::kOk) return status;
     }
@@ -378,6 +382,8 @@ class AxisSolve {
 
   const AxisBounds& bounds_;
   std::span<Violation> violations_;
+  Real most_cost_;
+  Real unconstrained_cost_;
   DualActiveSet solver_;
   Violation last_;
   std::uint32_t rows_added_ = 0;
@@ -432,7 +438,7 @@ void keep_labels(const DualActiveSet& solver, std::span<QpLabel> labels, std::si
 
 Status solve_axis(const AxisBounds& bounds, const TrajectorySpans& spans, std::span<Segment> segments,
                   TrajectoryReport& report, WarmStart* warm, std::span<Real> gradient) {
-  AxisSolve solve(bounds, spans);
+  AxisSolve solve(bounds, spans, bounds.problem->effort.most_cost - report.cost);
   const std::size_t axis = bounds.axis.axis;
   const Status status = solve.run(warm ? warm->labels[axis].first(warm->count[axis]) : std::span<QpLabel>{});
   report.qp_iterations += solve.solver().iterations();
@@ -443,6 +449,7 @@ Status solve_axis(const AxisBounds& bounds, const TrajectorySpans& spans, std::s
     report.blocking = {v.segment, static_cast<std::uint8_t>(axis), static_cast<BoundKind>(v.derivative), v.excess, 0};
     return status;
   }
+  report.cost += solve.cost();
   report.active += static_cast<std::uint32_t>(solve.solver().active_count());
   report.residual = std::max(report.residual, solve.solver().residual());
   emit_axis(bounds, solve.solver().solution(), segments);

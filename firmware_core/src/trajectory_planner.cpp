@@ -50,6 +50,7 @@ constexpr std::size_t kMostHeld = 2;
 constexpr std::array<Real, 4> kScatterSteps{Real(0.8566749), Real(0.7338919), Real(0.6287067), Real(0.5385973)};
 constexpr int kTightenings = 24;
 constexpr Real kTighteningGain = Real(1e-3);
+constexpr Real kTighteningStep = Real(1.5);
 constexpr std::uint64_t kTighteningTrials = 24;
 // Jerk cost that a second is worth, in units of a^3 over the path's length: more flies faster, less smoother. Free of
 // the speed limit, so that raising that limit does not change what is sought.
@@ -382,10 +383,14 @@ Status TrajectoryPlanner::tighten_limits(Real weight, std::size_t held) {
     if (factor <= 1) break;
     const std::uint64_t refinement = kTighteningTrials * count() * (kWorkOfSetUp + count());
     TrajectoryReport report;
-    const Status refined = refine_durations(
-        problem(kTrialEffort),
-        {.time_weight = weight * time_weight(), .work = refinement, .least_gain = kTighteningGain, .held = held},
-        spans_.trajectory, spans_.refinement, durations(), spans_.segments.first(count()), report);
+    const Status refined =
+        refine_durations(problem(kTrialEffort),
+                         {.time_weight = weight * time_weight(),
+                          .work = refinement,
+                          .least_gain = kTighteningGain,
+                          .largest_step = kTighteningStep,
+                          .held = held},
+                         spans_.trajectory, spans_.refinement, durations(), spans_.segments.first(count()), report);
     fitted_.report.work += report.work;
     fitted_.report.qp_iterations += report.qp_iterations;
     if (refined != Status::kOk) break;

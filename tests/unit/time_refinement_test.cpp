@@ -50,6 +50,15 @@ TEST(TimeRefinement, TheGradientIsTheSlopeOfTheOptimalCost) {
   EXPECT_GT(active, 20);
 }
 
+/// The solve that comes before a refinement.
+Status try_durations(const RandomCorridor& corridor, std::span<Segment> segments, TrajectoryReport& report,
+                     RefinementSpans& spans) {
+  TrajectoryProblem problem = corridor.problem();
+  problem.effort = kTrialEffort;
+  return generate_trajectory(problem, storage.spans(), segments, report, &spans.warm,
+                             spans.gradient.first(corridor.count));
+}
+
 TEST(TimeRefinement, NeverEndsWorseThanItBeganAndUsuallyFarBetter) {
   int far_better = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
@@ -59,9 +68,9 @@ TEST(TimeRefinement, NeverEndsWorseThanItBeganAndUsuallyFarBetter) {
     const std::span<Segment> used = std::span(segments).first(corridor.count);
     TrajectoryReport report;
     const Real weight = 10;
-    ASSERT_EQ(generate_trajectory(corridor.problem(), storage.spans(), segments, report), Status::kOk);
-    const Real before = summed_cost(used) + weight * total_duration(used);
     RefinementSpans refinement_spans = fresh();
+    ASSERT_EQ(try_durations(corridor, segments, report, refinement_spans), Status::kOk);
+    const Real before = summed_cost(used) + weight * total_duration(used);
     ASSERT_EQ(refine_durations(corridor.problem(), {weight, kWork, {}}, storage.spans(), refinement_spans, durations,
                                segments, report),
               Status::kOk);
@@ -85,13 +94,33 @@ TEST(TimeRefinement, WithoutABudgetTheDurationsStay) {
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(corridor.durations[i], given[i]);
 }
 
+TEST(TimeRefinement, GivesUpOnATrialOnceItMustCostMoreThanTheBest) {
+  int saved = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const RandomCorridor corridor(seed, 8, seed % 2 == 0);
+    std::array<Segment, RandomCorridor::kMost> segments;
+    TrajectoryReport whole;
+    TrajectoryProblem problem = corridor.problem();
+    ASSERT_EQ(generate_trajectory(problem, storage.spans(), segments, whole), Status::kOk);
+    const Real cost = summed_cost(std::span(segments).first(8));
+    EXPECT_NEAR(whole.cost, cost, (kIsDouble ? Real(1e-8) : Real(1e-2)) * cost);
+    TrajectoryReport report;
+    problem.effort.most_cost = Real(1.05) * whole.cost;
+    EXPECT_EQ(generate_trajectory(problem, storage.spans(), segments, report), Status::kOk);
+    problem.effort.most_cost = Real(0.95) * whole.cost;
+    EXPECT_EQ(generate_trajectory(problem, storage.spans(), segments, report), Status::kIterationLimit);
+    saved += static_cast<int>(whole.qp_iterations) - static_cast<int>(report.qp_iterations);
+  }
+  EXPECT_GT(saved, 20);
+}
+
 TEST(TimeRefinement, PassesOnThatTheDurationsGivenAreInfeasible) {
   RandomCorridor corridor(4, 5, true);
   for (std::size_t i = 0; i < 5; ++i) corridor.durations[i] /= 10;
   std::array<Segment, RandomCorridor::kMost> segments;
   TrajectoryReport report;
   RefinementSpans refinement_spans = fresh();
-  const Status status = refine_durations(corridor.problem(), {10, kWork, {}}, storage.spans(), refinement_spans,
+  const Status status = refine_durations(corridor.problem(), {10, 0, {}}, storage.spans(), refinement_spans,
                                          std::span(corridor.durations).first(5), segments, report);
   // Float may give up before it has proven as much.
   EXPECT_TRUE(status == Status::kInfeasible || (!kIsDouble && status == Status::kIterationLimit));

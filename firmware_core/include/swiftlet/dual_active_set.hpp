@@ -86,6 +86,8 @@ class DualActiveSet {
   [[nodiscard]] std::span<const QpRow> active_rows() const { return spans_.rows.first(active_count_); }
   [[nodiscard]] std::span<const Real> multipliers() const { return spans_.multipliers.first(active_count_); }
   [[nodiscard]] std::uint32_t iterations() const { return iterations_; }
+  /// (x - x0)' P (x - x0), twice what the active rows cost; it never falls from one enforced row to the next.
+  [[nodiscard]] Real distance2() const;
   /// Largest distance of an active row from its bound: what rounding has left of the optimality conditions, the
   /// multipliers being non-negative and the gradient balanced by construction.
   [[nodiscard]] Real residual() const;

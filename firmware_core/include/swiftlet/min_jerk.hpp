@@ -41,7 +41,8 @@ inline bool is_pinned(const AxisProblem& problem, std::size_t junction) {
 /// float a weak hold draws each junction to the middle of its gate (kHold in the source says what it costs). Cost O(M).
 ///   factor   receives M - 1 blocks of R = D U
 ///   optimum  receives the 3 (M - 1) unknowns of the unconstrained optimum
-void factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum);
+/// Returns the cost there [m^2/s^5].
+Real factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor, std::span<Real> optimum);
 
 /// End states of one segment (normalised by its duration), read from the unknowns.
 QuinticEnds segment_ends(const AxisProblem& problem, std::size_t segment, std::span<const Real> unknowns);

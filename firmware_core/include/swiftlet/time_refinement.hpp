@@ -24,7 +24,8 @@ struct RefinementOptions {
   Real least_gain = Real(5e-3);  ///< a step that improves the objective by less than this share of it is the last one
   /// Units that the report may hold in the end, but for the set-up of one solve.
   std::uint64_t deadline = std::numeric_limits<std::uint64_t>::max();
-  std::size_t held = 0;  ///< so many of the first segments keep their durations
+  Real largest_step = 3;  ///< factor on a duration in one step
+  std::size_t held = 0;   ///< so many of the first segments keep their durations
 };
 
 /// Memory of one refinement of M segments; see storage.hpp.
@@ -38,7 +39,8 @@ struct RefinementSpans {
 /// Sec. IV-E. Where a duration alone decides a cost c / T^5, T (5 c / w T^6)^(1/6) is its optimum; so each step
 /// multiplies a duration by a root of (-gradient / w), all at once, and a step that fails or does not pay halves the
 /// next one's logarithm. Never leaves the durations worse than it found them; stops early when a step gains little.
-///   problem    feasible with its durations, which are a view of `durations`
+///   problem    its durations are a view of `durations`; unless no work is allowed they are feasible and have just been
+///              solved with kTrialEffort, which left its results in `segments`, `warm` and `gradient`
 ///   warm       active rows of an earlier solve, and then of the last one here
 ///   segments   receive the trajectory of the durations returned, solved with the problem's own effort
 ///   report     of the last solve; `work` and `qp_iterations` are added to what it holds

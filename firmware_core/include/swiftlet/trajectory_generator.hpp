@@ -29,6 +29,8 @@ struct SolveEffort {
   Real tolerance = kFeasibility;         ///< excess that counts as no violation [m, m/s, m/s^2]
   std::uint32_t steps_per_segment = 10;  ///< active-set steps on an axis: 100, and this many a segment
   std::uint32_t most_steps = std::numeric_limits<std::uint32_t>::max();  ///< and never more than this
+  /// The solve gives up once it must cost more [m^2/s^5], summed over the axes.
+  Real most_cost = std::numeric_limits<Real>::infinity();
 };
 
 /// The unit of work, in which budgets are counted: one active-set step of one axis, per segment. Setting up an axis,
@@ -67,6 +69,7 @@ struct TrajectoryReport {
   std::uint32_t active = 0;             ///< rows active at the end, all axes
   Real residual = 0;                    ///< largest distance of an active row from its bound [m, m/s, m/s^2]
   std::uint64_t work = 0;               ///< units of work spent, all solves
+  Real cost = 0;                        ///< [m^2/s^5] jerk cost, all axes
   Real time_scale = 1;                  ///< durations of the answer over those of the first allocation
   FallbackReason fallback_reason = FallbackReason::kNone;
   Blocking blocking;  ///< meaningful with kInfeasible
@@ -104,7 +107,8 @@ struct WarmStart {
 ///   gradient   empty, or receives M elements: the derivative of the summed optimal cost by each duration (envelope
 ///              theorem: that of the Lagrangian at fixed junction states) [m^2/s^6]
 /// Errors: kBadRequest (counts, lo > hi, a gate outside a box, durations not > 0, non-finite numbers, limits not > 0),
-/// kInfeasible (at zero margins; report.blocking says where), kIterationLimit, kNumericalTrouble, kCorridorCapacity.
+/// kInfeasible (at zero margins; report.blocking says where), kIterationLimit (or the effort's cost),
+/// kNumericalTrouble, kCorridorCapacity.
 Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::span<Segment> segments,
                            TrajectoryReport& report, WarmStart* warm = nullptr, std::span<Real> gradient = {});
 
