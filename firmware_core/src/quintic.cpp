@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace swiftlet {
 namespace {
@@ -17,6 +16,13 @@ constexpr std::array<std::array<Real, 6>, 6> kHermite{{
     {0, 0, 0, 10, -15, 6},
     {0, 0, 0, -4, 7, -3},
     {0, 0, 0, Real(0.5), -1, Real(0.5)},
+}};
+
+// Row d: what d differentiations multiply the coefficients of tau^0..tau^5 by.
+constexpr std::array<std::array<Real, 6>, 3> kFalling{{
+    {1, 1, 1, 1, 1, 1},
+    {0, 1, 2, 3, 4, 5},
+    {0, 0, 2, 6, 12, 20},
 }};
 
 struct Polynomial {
@@ -39,11 +45,8 @@ Polynomial differentiate(const Polynomial& p) {
   return d;
 }
 
-Polynomial derivative_of(const Quintic& quintic, int derivative) {
-  Polynomial p{quintic, kDegree};
-  for (int k = 0; k < derivative; ++k) p = differentiate(p);
-  return p;
-}
+// A Newton step as short as this leaves its square.
+constexpr Real kSettled = sizeof(Real) == 8 ? Real(1e-8) : Real(1e-4);
 
 /// The root of p in [a, b], where p is monotone and changes sign: Newton steps kept inside the bracket by bisection.
 Real bracketed_root(const Polynomial& p, const Polynomial& slope, Real a, Real b) {
@@ -57,7 +60,7 @@ Real bracketed_root(const Polynomial& p, const Polynomial& slope, Real a, Real b
     const Real d = slope(x);
     Real next = d != 0 ? x - value / d : a - 1;
     if (!(next > a && next < b)) next = (a + b) / 2;
-    if (std::fabs(next - x) <= std::numeric_limits<Real>::epsilon()) return next;
+    if (std::fabs(next - x) <= kSettled) return next;
     x = next;
   }
   return x;
@@ -71,12 +74,17 @@ QuinticEnds quintic_basis(int derivative, Real tau) {
   return weights;
 }
 
-Real quintic_value(const Quintic& quintic, int derivative, Real tau) { return derivative_of(quintic, derivative)(tau); }
+Real quintic_value(const Quintic& quintic, int derivative, Real tau) {
+  const auto d = static_cast<std::size_t>(derivative);
+  Real value = 0;
+  for (std::size_t j = kDegree + 1; j-- > d;) value = value * tau + kFalling[d][j] * quintic[j];
+  return value;
+}
 
 CriticalPoints critical_points(const Quintic& quintic, int derivative) {
   // Each derivative is monotone between the roots of the next one, so roots are found from the linear one upwards.
   std::array<Polynomial, 5> chain;  // chain[d] is the (d + 1)-th derivative, degree 4 - d
-  chain[0] = derivative_of(quintic, 1);
+  chain[0] = differentiate({quintic, kDegree});
   for (std::size_t d = 1; d < chain.size(); ++d) chain[d] = differentiate(chain[d - 1]);
   CriticalPoints roots;
   for (std::size_t d = chain.size() - 1; d-- > static_cast<std::size_t>(derivative);) {

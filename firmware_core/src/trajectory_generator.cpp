@@ -128,6 +128,34 @@ bool is_well_posed(const TrajectoryProblem& problem, std::span<Segment> segments
   return true;
 }
 
+struct Range {
+  Real least;
+  Real most;
+  void add(Real value) {
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  [[nodiscard]] bool lies_in(const Range& outer) const { return least >= outer.least && most <= outer.most; }
+};
+
+/// Range of the first `count` Bernstein control points.
+Range hull(const std::array<Real, 6>& points, std::size_t count) {
+  Range range{points[0], points[0]};
+  for (std::size_t i = 1; i < count; ++i) range.add(points[i]);
+  return range;
+}
+
+/// Range of the control points of the two halves (de Casteljau).
+Range hull_of_halves(std::array<Real, 6> points, std::size_t count) {
+  Range range{points[0], points[0]};
+  for (; count > 0; --count) {
+    range.add(points[0]);
+    range.add(points[count - 1]);
+    for (std::size_t i = 0; i + 1 < count; ++i) points[i] = (points[i] + points[i + 1]) / 2;
+  }
+  return range;
+}
+
 /// The bound that the segment exceeds most, relative to the bound's own scale; excess 0 when it keeps them all.
 class SegmentSweep {
  public:
@@ -135,22 +163,18 @@ class SegmentSweep {
       : bounds_(bounds), segment_(segment), ends_(segment_ends(bounds.axis, segment, unknowns)) {}
 
   Violation worst() {
-    // Control points of the derivatives by differences. Inside its bounds they prove that no extremum violates: the
-    // cheap reject that most segments take.
+    // Control points of the derivatives by differences. Inside its bounds they, or those of its halves, prove that no
+    // extremum violates: the cheap reject that most segments take.
     std::array<Real, 6> points = quintic_control_points(ends_);
     const Real rate = 1 / bounds_.axis.durations[segment_];
     const Real tolerance = bounds_.problem->effort.tolerance;
     std::size_t count = points.size();
     for (int derivative = 0; derivative <= 2; ++derivative) {
-      Real least = points[0];
-      Real most = points[0];
-      for (std::size_t i = 1; i < count; ++i) {
-        least = std::min(least, points[i]);
-        most = std::max(most, points[i]);
+      const Range allowed{bounds_.lower(segment_, derivative) - tolerance,
+                          bounds_.upper(segment_, derivative) + tolerance};
+      if (!hull(points, count).lies_in(allowed) && !hull_of_halves(points, count).lies_in(allowed)) {
+        check_extrema(derivative);
       }
-      const bool inside = least >= bounds_.lower(segment_, derivative) - tolerance &&
-                          most <= bounds_.upper(segment_, derivative) + tolerance;
-      if (!inside) check_extrema(derivative);
       const Real factor = static_cast<Real>(--count) * rate;
       for (std::size_t i = 0; i < count; ++i) points[i] = factor * (points[i + 1] - points[i]);
     }

@@ -12,7 +12,7 @@
 namespace swiftlet {
 
 /// Trials are compared, not flown: a rough solve will do.
-inline constexpr SolveEffort kTrialEffort{.tolerance = sizeof(Real) == 8 ? Real(1e-4) : Real(5e-4),
+inline constexpr SolveEffort kTrialEffort{.tolerance = sizeof(Real) == 8 ? Real(3e-4) : Real(5e-4),
                                           .steps_per_segment = 3};
 
 /// How far the durations are pushed: the sum of jerk cost and `time_weight` times total duration is minimised.
