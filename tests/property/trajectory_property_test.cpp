@@ -177,7 +177,7 @@ TEST(TrajectoryProperty, EveryRandomCorridorIsFlownFromRestAndFromMotion) {
   report("sampled", sampled);
   EXPECT_EQ(rest.unanswered + limited.unanswered + roomy.unanswered, 0U);
   // The remainder of a certified trajectory shows that there is an answer; finding it from the state alone fails about
-  // once in 80,000.
+  // once in 100,000.
   EXPECT_LE(sampled.unanswered, kIsDouble ? sampled.flights / 50'000 : sampled.flights / 50 + 1);
   EXPECT_EQ(rest.defects + limited.defects + roomy.defects + sampled.defects, 0U);
   EXPECT_LE(static_cast<double>(rest.fallback), (kIsDouble ? 0.001 : 0.01) * static_cast<double>(rest.flights) + 1);
