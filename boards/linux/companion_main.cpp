@@ -19,12 +19,12 @@
 #include "cli/failure.hpp"
 #include "linux/console.hpp"
 #include "linux/flight_loop.hpp"
+#include "linux/port.hpp"
 #include "linux/thread_storage.hpp"
 #include "linux/thread_worker.hpp"
 #include "map/file_io.hpp"
 #include "swiftlet/hal/file_storage.hpp"
 #include "swiftlet/hal/monotonic_clock.hpp"
-#include "swiftlet/hal/posix_uart.hpp"
 #include "swiftlet/version.hpp"
 
 namespace swiftlet::board {
@@ -33,7 +33,6 @@ namespace {
 using tools::ExitStatus;
 using tools::Failure;
 
-constexpr std::uint32_t kUsualBaud = 921'600;
 constexpr std::chrono::milliseconds kPlanPatience{5};  // half a step
 constexpr int kLookPeriodMs = 100;
 constexpr int kLooksToLetGo = 40;
@@ -86,75 +85,6 @@ mavlink::Signing load_key(const std::string& path) {
   const auto ticks = std::chrono::duration_cast<std::chrono::microseconds>(since).count() / 10;
   signing.time = static_cast<std::uint64_t>(std::max<std::int64_t>(ticks, 0));
   return signing;
-}
-
-// ---- The port
-
-std::vector<std::string> split_at_colons(const std::string& text) {
-  std::vector<std::string> pieces;
-  std::size_t begin = 0;
-  for (std::size_t colon = text.find(':'); colon != std::string::npos; colon = text.find(':', begin)) {
-    pieces.push_back(text.substr(begin, colon - begin));
-    begin = colon + 1;
-  }
-  pieces.push_back(text.substr(begin));
-  return pieces;
-}
-
-std::uint32_t whole_number(const std::string& option, const std::string& text, std::uint32_t most) {
-  const std::optional<double> number = tools::parse_number(text);
-  const bool usable = number && *number >= 1 && *number <= most && *number == static_cast<std::uint32_t>(*number);
-  if (!usable)
-    throw Failure{ExitStatus::kUsage, option + ": '" + text + "' is not a number from 1 to " + std::to_string(most)};
-  return static_cast<std::uint32_t>(*number);
-}
-
-/// "DEVICE", "DEVICE:BAUD", "udp:PORT" or "udp:PORT:HOST:PORT".
-struct PortName {
-  std::string device;  ///< empty: UDP
-  std::uint32_t baud = kUsualBaud;
-  std::uint16_t local_port = 0;
-  std::string host = "127.0.0.1";
-  std::uint16_t remote_port = 0;  ///< 0: whoever sends
-};
-
-PortName parse_port(const std::string& text) {
-  const std::vector<std::string> pieces = split_at_colons(text);
-  PortName name;
-  if (pieces[0] != "udp") {
-    const std::size_t colon = text.rfind(':');
-    name.device = text.substr(0, colon);
-    if (colon != std::string::npos) name.baud = whole_number("--port", text.substr(colon + 1), 12'000'000);
-    return name;
-  }
-  if (pieces.size() != 2 && pieces.size() != 4) {
-    throw Failure{ExitStatus::kUsage, "--port: '" + text + "' is not udp:PORT or udp:PORT:HOST:PORT"};
-  }
-  name.local_port = static_cast<std::uint16_t>(whole_number("--port", pieces[1], 65535));
-  if (pieces.size() == 4) {
-    name.host = pieces[2];
-    name.remote_port = static_cast<std::uint16_t>(whole_number("--port", pieces[3], 65535));
-  }
-  return name;
-}
-
-struct Port {
-  hal::SerialPort serial;
-  hal::UdpUart udp;
-  hal::Uart* uart = nullptr;
-};
-
-void open_port(Port& port, const PortName& name) {
-  if (!name.device.empty()) {
-    port.uart = &port.serial;
-    if (port.serial.open(name.device.c_str(), name.baud)) return;
-    throw Failure{ExitStatus::kBadFile, name.device + ": cannot be opened at " + std::to_string(name.baud) +
-                                            " baud: " + std::strerror(errno)};
-  }
-  port.uart = &port.udp;
-  if (port.udp.open(name.local_port, name.host.c_str(), name.remote_port)) return;
-  throw Failure{ExitStatus::kBadFile,
-                "UDP port " + std::to_string(name.local_port) + " cannot be opened: " + std::strerror(errno)};
 }
 
 // ---- The log
@@ -342,14 +272,13 @@ void run(const Options& options) {
   const companion::Settings settings = read_settings(options);
   const LoadedMap map = load_map(options.map);
   check_margins_of(map, options.map, settings);
-  Port port;
-  open_port(port, port_name);
+  Port port(port_name);
   std::unique_ptr<KeptLog> log;
   if (!options.log.empty()) log = std::make_unique<KeptLog>(options.log, settings, map.graph);
   ThreadWorker worker(planner_memory.spans(), kPlanPatience);
-  const companion::Devices devices{*port.uart, worker, log ? &log->log() : nullptr};
+  const companion::Devices devices{port, worker, log ? &log->log() : nullptr};
   const auto flight = std::make_unique<companion::Companion>(settings, map.graph, memory.memory(), devices);
-  FlightLoop loop(*flight);
+  FlightLoop loop(*flight, port);
   Console console(loop, worker);
   while (interrupted == 0 && console.look()) {
   }

@@ -45,7 +45,7 @@ double Lateness::quantile(double share) const {
   return static_cast<double>(bin) * static_cast<double>(kBin.count()) / 1000;
 }
 
-FlightLoop::FlightLoop(companion::Companion& companion) : companion_(companion) {
+FlightLoop::FlightLoop(companion::Companion& companion, Port& port) : companion_(companion), port_(port) {
   view_.notes.reserve(kMostNotes);
   thread_ = std::thread([this] { run(); });
   const sched_param priority{kPriority};
@@ -74,16 +74,29 @@ FlightView FlightLoop::look() {
   return seen;
 }
 
+/// Under the lock.
+void FlightLoop::show(const companion::Note& note) {
+  if (view_.notes.size() < kMostNotes) view_.notes.push_back(note);
+}
+
+void FlightLoop::warn(std::string_view text) {
+  companion::Note note{companion_.telemetry().time, mavlink::Severity::kWarning, {}};
+  std::copy(text.begin(), text.end(), note.text.begin());
+  show(note);
+}
+
+void FlightLoop::keep_port(microseconds now) {
+  const Port::Change change = port_.keep(now);
+  if (change == Port::Change::kNone) return;
+  const std::lock_guard lock(mutex_);
+  warn(change == Port::Change::kGone ? "the port has gone; trying to open it again" : "the port is open again");
+}
+
 void FlightLoop::take_words() {
   const std::lock_guard lock(mutex_);
   std::size_t taken = 0;
   while (taken < words_.size() && taken < companion::Companion::kMostWords) {
-    if (!companion_.tell(words_[taken])) {
-      companion::Note refused{companion_.telemetry().time, mavlink::Severity::kWarning, {}};
-      constexpr std::string_view kText = "refused: numbers out of range";
-      std::copy(kText.begin(), kText.end(), refused.text.begin());
-      view_.notes.push_back(refused);
-    }
+    if (!companion_.tell(words_[taken])) warn("refused: numbers out of range");
     ++taken;
   }
   words_.erase(words_.begin(), words_.begin() + static_cast<std::ptrdiff_t>(taken));
@@ -95,9 +108,7 @@ void FlightLoop::publish(microseconds late) {
   const std::lock_guard lock(mutex_);
   view_.telemetry = companion_.telemetry();
   view_.lateness.add(late);
-  for (; noted_ != companion_.note_count(); ++noted_) {
-    if (view_.notes.size() < kMostNotes) view_.notes.push_back(companion_.note(noted_));
-  }
+  for (; noted_ != companion_.note_count(); ++noted_) show(companion_.note(noted_));
 }
 
 void FlightLoop::run() {
@@ -107,6 +118,7 @@ void FlightLoop::run() {
     sleep_until(next);
     take_words();
     const microseconds now = clock.now();
+    keep_port(now);
     companion_.step(now);
     publish(now - next);
     next += kPeriod;

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "companion/companion.hpp"
+#include "linux/port.hpp"
 
 namespace swiftlet::board {
 
@@ -34,10 +36,11 @@ struct FlightView {
   std::vector<companion::Note> notes;  ///< since the last look
 };
 
-/// Steps a companion at a steady 100 Hz in a thread of its own. Others reach it through short critical sections only.
+/// Steps a companion at a steady 100 Hz in a thread of its own, and keeps its line open. Others reach it through short
+/// critical sections only.
 class FlightLoop {
  public:
-  explicit FlightLoop(companion::Companion& companion);
+  FlightLoop(companion::Companion& companion, Port& port);
   ~FlightLoop() { end(); }
   FlightLoop(const FlightLoop&) = delete;
   FlightLoop& operator=(const FlightLoop&) = delete;
@@ -51,10 +54,14 @@ class FlightLoop {
   static constexpr std::chrono::microseconds kPeriod{10'000};
 
   void run();
+  void keep_port(std::chrono::microseconds now);
   void take_words();
+  void show(const companion::Note& note);
+  void warn(std::string_view text);
   void publish(std::chrono::microseconds late);
 
   companion::Companion& companion_;
+  Port& port_;
   std::mutex mutex_;
   std::vector<companion::Word> words_;
   std::optional<BoxGraphView> map_;

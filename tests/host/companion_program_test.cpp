@@ -1,6 +1,7 @@
 // The program `companion` on a real device: a pseudo-terminal with the simulated autopilot at its other end, in real
 // time, and what it refuses.
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,6 +24,7 @@
 #include "cli/failure.hpp"
 #include "flight/memory_storage.hpp"
 #include "flight/replay.hpp"
+#include "linux/port.hpp"
 #include "linux/thread_storage.hpp"
 #include "map/file_io.hpp"
 #include "map/map_builder.hpp"
@@ -258,6 +261,68 @@ TEST(CompanionProgram, RefusesBadInputWithOneLineAndTheContractsStatus) {
     EXPECT_NE(program.text.find(each.words), std::string::npos) << program.text;
     EXPECT_EQ(std::count(program.text.begin(), program.text.end(), '\n'), 1) << program.text;
   }
+}
+
+// ---- The port
+
+/// A serial adapter: a pseudo-terminal under a path that stays the same when another takes its place.
+struct Adapter {
+  std::string path = testing::TempDir() + "companion_" + std::to_string(::getpid()) + "_adapter";
+  std::optional<hal::PseudoTerminal> line;
+
+  Adapter() { plug_in(); }
+  ~Adapter() { pull_out(); }
+  Adapter(const Adapter&) = delete;
+  Adapter& operator=(const Adapter&) = delete;
+
+  void plug_in() {
+    pull_out();
+    ASSERT_TRUE(line.emplace().open());
+    std::filesystem::create_symlink(line->peer_path(), path);
+  }
+  void pull_out() {
+    line.reset();
+    std::filesystem::remove(path);
+  }
+};
+
+TEST(Port, OpensADeviceAgainThatWasGone) {
+  using board::Port;
+  using std::chrono::microseconds;
+  using std::chrono::seconds;
+  Adapter adapter;
+  Port port(board::parse_port(adapter.path));
+  std::array<std::byte, 8> buffer{};
+  EXPECT_EQ(port.keep(seconds(10)), Port::Change::kNone);
+  adapter.pull_out();
+  EXPECT_EQ(port.read(buffer), 0U);  // notices
+  EXPECT_EQ(port.keep(seconds(20)), Port::Change::kGone);
+  EXPECT_EQ(port.keep(seconds(21)), Port::Change::kNone);  // still gone
+  adapter.plug_in();
+  EXPECT_EQ(port.keep(seconds(22) - microseconds(1)), Port::Change::kNone);  // not before a second is over
+  EXPECT_EQ(port.write(buffer), 0U);
+  EXPECT_EQ(port.keep(seconds(22)), Port::Change::kBack);
+  EXPECT_EQ(port.keep(seconds(23)), Port::Change::kNone);
+  EXPECT_EQ(port.write(buffer), buffer.size());
+  std::array<std::byte, 16> received{};
+  EXPECT_EQ(adapter.line->read(received), buffer.size());
+}
+
+TEST(CompanionProgram, SpeaksAgainOverAnAdapterThatWasPulledOut) {
+  Adapter adapter;
+  Program program({"--map", map_path(0.3), "--port", adapter.path, "--config", write_file("config.json", kConfig)});
+  const auto hears_program = [&adapter] {
+    pollfd waiting{adapter.line->descriptor(), POLLIN, 0};
+    std::array<std::byte, 64> buffer{};
+    return ::poll(&waiting, 1, 5000) > 0 && adapter.line->read(buffer) > 0;
+  };
+  EXPECT_TRUE(hears_program());
+  adapter.plug_in();
+  EXPECT_TRUE(hears_program());
+  program.say("quit\n");
+  EXPECT_EQ(program.wait(), 0);
+  EXPECT_NE(program.text.find("! the port has gone"), std::string::npos) << program.text;
+  EXPECT_NE(program.text.find("! the port is open again"), std::string::npos) << program.text;
 }
 
 // ---- The log's thread
