@@ -18,6 +18,7 @@ constexpr microseconds kHeartbeatPeriod = seconds(1);
 constexpr microseconds kTimeSyncPeriod = milliseconds(200);
 constexpr microseconds kSilence = seconds(3);  // after which an autopilot may have forgotten what was asked of it
 constexpr microseconds kRestartJump = seconds(1);
+constexpr microseconds kStaleRest = milliseconds(50);  // of a frame that the device takes piece by piece
 
 // PX4 acknowledges within 20 ms (docs/link.md); its HEARTBEAT, the slower of the two sights of a mode, is 1 Hz.
 constexpr microseconds kRepeatAfter = milliseconds(300);
@@ -100,6 +101,7 @@ void Link::step(microseconds now) {
 
 void Link::shift_clock(microseconds jump) {
   start_ += jump;
+  backlog_since_ += jump;
   next_heartbeat_ += jump;
   next_time_sync_ = now_ + jump;  // the clocks meet anew
   time_sync_asked_ = 0;
@@ -647,8 +649,8 @@ void Link::send_due() {
   if (next_parameter_ < parameters_.size() && backlog_size_ == 0) send_parameter(next_parameter_++);
 }
 
-/// Whole frames only: what the device does not take of one is kept and goes first; a frame of which it takes nothing is
-/// dropped.
+/// Whole frames only: what the device does not take of one is kept and goes first, unless it gets stale; a frame of
+/// which it takes nothing is dropped.
 bool Link::transmit_frame(std::span<const std::byte> frame) {
   const std::size_t taken = flush() ? uart_.write(frame) : 0;
   if (taken == 0) {
@@ -658,6 +660,7 @@ bool Link::transmit_frame(std::span<const std::byte> frame) {
   const std::span<const std::byte> rest = frame.subspan(taken);
   std::copy(rest.begin(), rest.end(), backlog_.begin());
   backlog_size_ = rest.size();
+  backlog_since_ = now_;
   counters_.sent_bytes += taken;
   ++counters_.sent_frames;
   return true;
@@ -665,6 +668,12 @@ bool Link::transmit_frame(std::span<const std::byte> frame) {
 
 bool Link::flush() {
   if (backlog_size_ == 0) return true;
+  if (now_ - backlog_since_ > kStaleRest) {  // its receiver finds the next frame
+    backlog_size_ = 0;
+    --counters_.sent_frames;
+    ++counters_.unsent_frames;
+    return true;
+  }
   const std::size_t taken = uart_.write(std::span(backlog_).first(backlog_size_));
   std::copy(backlog_.begin() + static_cast<std::ptrdiff_t>(taken),
             backlog_.begin() + static_cast<std::ptrdiff_t>(backlog_size_), backlog_.begin());

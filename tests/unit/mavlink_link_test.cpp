@@ -549,6 +549,31 @@ TEST(LinkSetpoints, AFullDeviceGetsWholeFramesAndNothingStale) {
   EXPECT_EQ(reader.counters().skipped_bytes, 0);
 }
 
+TEST(LinkSetpoints, TheRestOfAFrameThatTheDeviceHeldUpIsDropped) {
+  static SmallUart uart;
+  static Link link(uart, without_rates());
+  uart.room = 21 + 10;  // the heartbeat and the beginning of a set-point
+  link.step(the_clock.now());
+  EXPECT_TRUE(link.send(RateSetpoint{.body_rates = {1, 0, 0}}));
+  the_clock.advance(50ms);
+  link.step(the_clock.now());
+  uart.room = 1000;
+  the_clock.advance(10ms);
+  link.step(the_clock.now());
+  EXPECT_EQ(link.counters().unsent_frames, 1);
+  EXPECT_EQ(link.counters().sent_frames, 1);  // the heartbeat
+  EXPECT_EQ(uart.taken, 21U + 10U);
+  // The receiver finds what follows inside of the frame whose end is missing.
+  for (const Real rate : {2, 3, 4, 5, 6}) EXPECT_TRUE(link.send(RateSetpoint{.body_rates = {rate, 0, 0}}));
+  Codec reader(kAutopilot);
+  std::span<const std::byte> bytes = uart.sent();
+  double sum = 0;
+  while (const auto frame = reader.receive(bytes)) {
+    if (const auto target = decode<SetAttitudeTarget>(*frame)) sum = 10 * sum + target->body_rates.value.x();
+  }
+  EXPECT_NEAR(sum, 23456, kTolerance);
+}
+
 // ---- Time
 
 TEST(LinkTime, AnswersRequestsAtOnceAndMeetsTheAutopilotsClock) {

@@ -145,7 +145,8 @@ struct LinkCounters {
   std::uint64_t received_bytes = 0;
   std::uint64_t sent_bytes = 0;
   std::uint32_t sent_frames = 0;
-  std::uint32_t unsent_frames = 0;   ///< Found the device full; dropped, since a late set-point is worse than none.
+  /// Found the device full, or waited there half taken; dropped, since a late set-point is worse than none.
+  std::uint32_t unsent_frames = 0;
   std::uint32_t lost_frames = 0;     ///< Gaps in the autopilot's numbering.
   std::uint32_t foreign = 0;         ///< Of others, or for others.
   std::uint32_t unused = 0;          ///< Of the autopilot, of a kind that we do not use.
@@ -318,6 +319,7 @@ class Link {
 
   std::array<std::byte, kMaxFrame> backlog_{};  // the rest of a frame whose beginning the device took
   std::size_t backlog_size_ = 0;
+  std::chrono::microseconds backlog_since_{0};
 };
 
 }  // namespace swiftlet::mavlink
