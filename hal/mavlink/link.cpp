@@ -104,7 +104,7 @@ void Link::shift_clock(microseconds jump) {
   backlog_since_ += jump;
   next_heartbeat_ += jump;
   next_time_sync_ = now_ + jump;  // the clocks meet anew
-  time_sync_asked_ = 0;
+  time_sync_asked_.fill(0);
   if (!requests_.empty()) requests_.front().next_at += jump;  // the others have not been sent yet
   if (latest_command_.has_value()) latest_command_->at += jump;
 }
@@ -269,10 +269,12 @@ void Link::take(const TimeSyncMessage& message) {
   const std::int64_t now = nanoseconds(now_).count();
   if (message.tc1 == 0) {
     transmit(TimeSyncMessage{.tc1 = std::max<std::int64_t>(now, 1), .ts1 = message.ts1});
-  } else if (message.ts1 == time_sync_asked_ && time_sync_asked_ != 0) {
-    time_sync_.add(nanoseconds(message.ts1), nanoseconds(message.tc1), nanoseconds(now));
-    time_sync_asked_ = 0;
+    return;
   }
+  const auto asked = std::find(time_sync_asked_.begin(), time_sync_asked_.end(), message.ts1);
+  if (message.ts1 == 0 || asked == time_sync_asked_.end()) return;
+  time_sync_.add(nanoseconds(message.ts1), nanoseconds(message.tc1), nanoseconds(now));
+  *asked = 0;
 }
 
 VehicleState Link::vehicle() const {
@@ -642,7 +644,10 @@ void Link::send_due() {
   }
   if (now_ >= next_time_sync_ && autopilot_.heard) {
     const std::int64_t asked = nanoseconds(now_).count();
-    if (transmit(TimeSyncMessage{.tc1 = 0, .ts1 = asked})) time_sync_asked_ = asked;
+    if (transmit(TimeSyncMessage{.tc1 = 0, .ts1 = asked})) {
+      std::shift_left(time_sync_asked_.begin(), time_sync_asked_.end(), 1);
+      time_sync_asked_.back() = asked;
+    }
     next_time_sync_ = now_ + kTimeSyncPeriod;
   }
   advance_request();

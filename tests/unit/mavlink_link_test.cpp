@@ -576,6 +576,28 @@ TEST(LinkSetpoints, TheRestOfAFrameThatTheDeviceHeldUpIsDropped) {
 
 // ---- Time
 
+TEST(LinkTime, MeetsAClockBehindALongRoundTrip) {
+  Bench& bench = fresh_bench(without_rates());
+  bench.line.a_to_b().delay = 350ms;
+  bench.line.b_to_a().delay = 350ms;
+  bench.run(20ms);
+  bench.say_heartbeat(0);
+  for (int i = 0; i < 250; ++i) {
+    bench.run(10ms);
+    std::optional<TimeSyncMessage> answer;
+    bench.hear([&answer](const Frame& frame) {
+      if (const auto request = decode<TimeSyncMessage>(frame)) answer = request;
+    });
+    if (!answer.has_value()) continue;
+    answer->tc1 = std::chrono::nanoseconds(the_clock.now() + 90s).count();
+    bench.say(*answer);
+    bench.say(*answer);  // twice: the second is none of ours
+  }
+  ASSERT_TRUE(bench.link.time_sync().synchronised());
+  EXPECT_EQ(bench.link.time_sync().round_trip(), std::chrono::nanoseconds(700ms));
+  EXPECT_EQ(bench.link.time_sync().offset(), std::chrono::nanoseconds(90s));
+}
+
 TEST(LinkTime, AnswersRequestsAtOnceAndMeetsTheAutopilotsClock) {
   Bench& bench = fresh_bench(without_rates());
   bench.run(20ms);

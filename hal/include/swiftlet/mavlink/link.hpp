@@ -291,7 +291,7 @@ class Link {
   std::chrono::microseconds latest_boot_time_{0};
   std::chrono::microseconds next_heartbeat_{0};
   std::chrono::microseconds next_time_sync_{0};
-  std::int64_t time_sync_asked_ = 0;  // ts1 of the request that may be answered; 0: none
+  std::array<std::int64_t, 5> time_sync_asked_{};  // ts1 of requests of the last second; 0: none, or answered
   std::size_t next_rate_ = 0;
   std::size_t next_parameter_ = 0;  // of a list that was asked for; parameters_.size() when none is due
   std::uint16_t text_id_ = 0;
