@@ -199,12 +199,12 @@ void Link::take(const ExtendedSystemState& state) { autopilot_.landed_state = st
 void Link::take(const LocalPositionNed& message) {
   const Vector3 position = to_enu(message.position);
   const Vector3 velocity = to_enu(message.velocity);
-  const microseconds at = sampled_at(milliseconds(message.time_boot_ms));
+  const microseconds at = sampled_at(milliseconds(message.time_boot_ms), Stamp::kPosition);
   set_position(position, velocity, at);
 }
 
 void Link::take(const AttitudeQuaternion& message) {
-  const microseconds at = sampled_at(milliseconds(message.time_boot_ms));
+  const microseconds at = sampled_at(milliseconds(message.time_boot_ms), Stamp::kAttitude);
   set_attitude(to_enu(message.attitude), to_flu(message.body_rates), at);
 }
 
@@ -218,7 +218,7 @@ void Link::take(const Odometry& message) {
     return;
   }
   const NedVector velocity{velocity_in_body ? Vector3(*attitude * message.velocity_child) : message.velocity_child};
-  const microseconds at = sampled_at(microseconds(static_cast<std::int64_t>(message.time_us)));
+  const microseconds at = sampled_at(microseconds(static_cast<std::int64_t>(message.time_us)), Stamp::kOdometry);
   local_.reset_counter = message.reset_counter;
   set_position(to_enu(message.position), to_enu(velocity), at);
   set_attitude(to_enu(NedQuaternion{*attitude}), to_flu(message.body_rates), at);
@@ -253,15 +253,17 @@ void Link::set_attitude(const Quaternion& attitude, const Vector3& body_rates, m
   local_.body_rates = body_rates;
 }
 
-/// A time since the autopilot's boot on our clock: the time of reception as long as the clocks have not met.
-microseconds Link::sampled_at(microseconds boot_time) {
-  if (boot_time + kRestartJump < latest_boot_time_) {
+/// A time since the autopilot's boot on our clock: the time of reception as long as the clocks have not met. Each kind
+/// of message is compared with itself, since ODOMETRY may count from 1970.
+microseconds Link::sampled_at(microseconds boot_time, Stamp stamp) {
+  microseconds& latest = latest_boot_times_[static_cast<std::size_t>(stamp)];
+  if (boot_time + kRestartJump < latest) {
     ++autopilot_.restarts;
     time_sync_.reset();
     next_rate_ = 0;
-    latest_boot_time_ = boot_time;
+    latest_boot_times_.fill(microseconds(0));
   }
-  latest_boot_time_ = std::max(latest_boot_time_, boot_time);
+  latest = std::max(latest, boot_time);
   return time_sync_.synchronised() ? std::min(time_sync_.to_ours(boot_time), now_) : now_;
 }
 

@@ -598,6 +598,25 @@ TEST(LinkTime, MeetsAClockBehindALongRoundTrip) {
   EXPECT_EQ(bench.link.time_sync().offset(), std::chrono::nanoseconds(90s));
 }
 
+TEST(LinkTime, StampsOfAnotherClockInOneMessageAreNoRestart) {
+  Bench& bench = fresh_bench(without_rates());
+  constexpr std::uint64_t kToday = 1'700'000'000'000'000;  // [us] since 1970
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    bench.say(LocalPositionNed{.time_boot_ms = 60'000 + 20 * i});
+    Odometry odometry;
+    odometry.time_us = kToday + 20'000U * std::uint64_t{i};
+    bench.say(odometry);
+    bench.say(AttitudeQuaternion{.time_boot_ms = 60'000 + 20 * i});
+  }
+  EXPECT_EQ(bench.link.autopilot().restarts, 0);
+  bench.say(LocalPositionNed{.time_boot_ms = 400});
+  bench.say(AttitudeQuaternion{.time_boot_ms = 400});  // of the same restart
+  EXPECT_EQ(bench.link.autopilot().restarts, 1);
+  bench.say(AttitudeQuaternion{.time_boot_ms = 60'000});
+  bench.say(AttitudeQuaternion{.time_boot_ms = 400});
+  EXPECT_EQ(bench.link.autopilot().restarts, 2);
+}
+
 TEST(LinkTime, AnswersRequestsAtOnceAndMeetsTheAutopilotsClock) {
   Bench& bench = fresh_bench(without_rates());
   bench.run(20ms);

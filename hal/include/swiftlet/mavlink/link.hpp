@@ -217,6 +217,7 @@ class Link {
     std::uint8_t transmissions = 0;
     std::chrono::microseconds next_at{0};
   };
+  enum class Stamp : std::uint8_t { kPosition, kAttitude, kOdometry };  // whose time it is
 
   void receive();
   void dispatch(const Frame& frame);
@@ -237,7 +238,7 @@ class Link {
   void set_mode(Mode mode, std::uint32_t custom_mode);
   void set_position(const Vector3& position, const Vector3& velocity, std::chrono::microseconds sampled_at);
   void set_attitude(const Quaternion& attitude, const Vector3& body_rates, std::chrono::microseconds sampled_at);
-  std::chrono::microseconds sampled_at(std::chrono::microseconds boot_time);
+  std::chrono::microseconds sampled_at(std::chrono::microseconds boot_time, Stamp stamp);
 
   // Of anybody, for us.
   bool take_for_us(const Frame& frame);
@@ -288,7 +289,7 @@ class Link {
   std::uint32_t parameter_changes_ = 0;
 
   std::optional<std::uint8_t> next_sequence_;
-  std::chrono::microseconds latest_boot_time_{0};
+  std::array<std::chrono::microseconds, 3> latest_boot_times_{};  // by Stamp
   std::chrono::microseconds next_heartbeat_{0};
   std::chrono::microseconds next_time_sync_{0};
   std::array<std::int64_t, 5> time_sync_asked_{};  // ts1 of requests of the last second; 0: none, or answered
