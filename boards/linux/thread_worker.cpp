@@ -28,6 +28,11 @@ bool ThreadWorker::done() {
   return changed_.wait_for(lock, patience_, [this] { return !busy_; });
 }
 
+std::chrono::microseconds ThreadWorker::duration() const {
+  const std::lock_guard lock(mutex_);
+  return duration_;
+}
+
 void ThreadWorker::work() {
   std::unique_lock lock(mutex_);
   while (true) {

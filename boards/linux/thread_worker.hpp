@@ -23,7 +23,7 @@ class ThreadWorker final : public companion::PlanWorker {
   [[nodiscard]] const Plan& result() const override { return planner_.result(); }
 
   /// How long the last plan took, start to end, in real time.
-  [[nodiscard]] std::chrono::microseconds duration() const { return duration_; }
+  [[nodiscard]] std::chrono::microseconds duration() const;
 
  private:
   void work();
@@ -34,7 +34,7 @@ class ThreadWorker final : public companion::PlanWorker {
   companion::PlanJob job_;
   bool busy_ = false;
   bool ends_ = false;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::thread thread_;
 };

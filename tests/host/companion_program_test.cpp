@@ -26,6 +26,7 @@
 #include "flight/replay.hpp"
 #include "linux/port.hpp"
 #include "linux/thread_storage.hpp"
+#include "linux/thread_worker.hpp"
 #include "map/file_io.hpp"
 #include "map/map_builder.hpp"
 #include "map/voxel_map.hpp"
@@ -261,6 +262,55 @@ TEST(CompanionProgram, RefusesBadInputWithOneLineAndTheContractsStatus) {
     EXPECT_NE(program.text.find(each.words), std::string::npos) << program.text;
     EXPECT_EQ(std::count(program.text.begin(), program.text.end(), '\n'), 1) << program.text;
   }
+}
+
+// ---- The planner's thread
+
+constexpr Capacity kSmall{.segments = 64, .search_nodes = 4096};
+
+companion::PlanJob job_in(const BoxGraphView& map) {
+  companion::PlanJob job{map, {}};
+  job.request.start.position = {0.6, 0.6, 0.8};
+  job.request.goal.position = {3.5, 2.5, 0.8};
+  job.request.v_max = 1;
+  job.request.a_max = 2;
+  return job;
+}
+
+TEST(ThreadWorker, MakesThePlansThatThePlannerMakesAndWakesWhoeverWaits) {
+  const std::vector<std::byte> blob = *read_file(map_path(0.3));
+  const auto memory = std::make_unique<PlannerStorage<kSmall>>();
+  const auto other_memory = std::make_unique<PlannerStorage<kSmall>>();
+  Planner planner(other_memory->spans());
+  companion::PlanJob job = job_in(*BoxGraphView::open(blob));
+  constexpr std::chrono::seconds kForEver{60};
+  board::ThreadWorker worker(memory->spans(), kForEver);
+  for (const Vector3& goal : {Vector3{3.5, 2.5, 0.8}, Vector3{-9, 0, 0}, Vector3{2, 2.6, 1}}) {
+    job.request.goal.position = goal;
+    const Clock::time_point begin = Clock::now();
+    worker.start(job);
+    ASSERT_TRUE(worker.done());
+    EXPECT_LT(Clock::now() - begin, kForEver / 2);
+    EXPECT_LE(worker.duration(), Clock::now() - begin);
+    const Plan& expected = planner.plan(job.map, job.request);
+    const Plan& plan = worker.result();
+    EXPECT_EQ(plan.status, expected.status);
+    ASSERT_EQ(plan.segments.size(), expected.segments.size());
+    EXPECT_EQ(total_duration(plan.segments), total_duration(expected.segments));
+  }
+  EXPECT_EQ(worker.result().status, Status::kOk);
+  EXPECT_GT(worker.duration().count(), 0);
+}
+
+TEST(ThreadWorker, AnswersWithoutPatienceAndEndsWithAPlanUnderWay) {
+  const std::vector<std::byte> blob = *read_file(map_path(0.3));
+  const auto memory = std::make_unique<PlannerStorage<kSmall>>();
+  const companion::PlanJob job = job_in(*BoxGraphView::open(blob));
+  board::ThreadWorker worker(memory->spans(), std::chrono::microseconds(0));
+  worker.start(job);
+  while (!worker.done()) std::this_thread::yield();
+  EXPECT_EQ(worker.result().status, Status::kOk);
+  worker.start(job);
 }
 
 // ---- The port
