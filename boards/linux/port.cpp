@@ -41,9 +41,10 @@ PortName parse_port(const std::string& text) {
   const std::vector<std::string> pieces = split_at_colons(text);
   PortName name;
   if (pieces[0] != "udp") {
-    const std::size_t colon = text.rfind(':');
-    name.device = text.substr(0, colon);
-    if (colon != std::string::npos) name.baud = whole_number(text.substr(colon + 1), 12'000'000);
+    const std::string& last = pieces.back();
+    const bool has_baud = pieces.size() > 1 && last.find_first_not_of("0123456789") == std::string::npos;
+    if (has_baud) name.baud = whole_number(last, 12'000'000);
+    name.device = has_baud ? text.substr(0, text.size() - last.size() - 1) : text;
     return name;
   }
   if (pieces.size() != 2 && pieces.size() != 4) {

@@ -16,7 +16,8 @@ struct PortName {
   std::uint16_t remote_port = 0;  ///< 0: whoever sends
 };
 
-/// Throws tools::Failure.
+/// A device's last piece is its baud rate when it has digits only: /dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0 has
+/// none. Throws tools::Failure.
 PortName parse_port(const std::string& text);
 
 /// The line to the autopilot. A device that has gone, an adapter that was pulled out for one, is opened again when it

@@ -243,7 +243,10 @@ TEST(CompanionProgram, RefusesBadInputWithOneLineAndTheContractsStatus) {
       {{"--port", "/dev/null"}, 2, "--map is required"},
       {{"--map", map, "--port", "/dev/null", "--fast"}, 2, "--fast"},
       {{"--map", map, "--port", "udp:99999"}, 2, "'99999' is not a number"},
-      {{"--map", map, "--port", "/dev/null:fast"}, 2, "'fast' is not a number"},
+      {{"--map", map, "--port", "/dev/null:0"}, 2, "'0' is not a number"},
+      {{"--map", map, "--port", "/dev/null:fast", "--config", write_file("config.json", kConfig)},
+       3,
+       "/dev/null:fast: cannot be opened"},
       {{"--map", "/nowhere.swm", "--port", "/dev/null"}, 3, "/nowhere.swm"},
       {{"--map", config, "--port", "/dev/null"}, 3, "bad.json"},
       {{"--map", map, "--port", "/dev/null", "--config", config}, 3, "'yaw.mod' is not a known key"},
@@ -335,6 +338,22 @@ struct Adapter {
     std::filesystem::remove(path);
   }
 };
+
+TEST(Port, HasColonsInItsPathOrABaudRateBehindIt) {
+  const std::string path = "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0";
+  EXPECT_EQ(board::parse_port(path).device, path);
+  EXPECT_EQ(board::parse_port(path).baud, 921'600U);
+  EXPECT_EQ(board::parse_port(path + ":57600").device, path);
+  EXPECT_EQ(board::parse_port(path + ":57600").baud, 57'600U);
+  EXPECT_EQ(board::parse_port("/dev/ttyS0:115200").device, "/dev/ttyS0");
+  EXPECT_EQ(board::parse_port("/dev/ttyS0").device, "/dev/ttyS0");
+  const board::PortName udp = board::parse_port("udp:14540:10.0.0.2:14550");
+  EXPECT_EQ(udp.device, "");
+  EXPECT_EQ(udp.local_port, 14'540);
+  EXPECT_EQ(udp.host, "10.0.0.2");
+  EXPECT_EQ(udp.remote_port, 14'550);
+  EXPECT_THROW(board::parse_port("/dev/ttyS0:"), Failure);
+}
 
 TEST(Port, OpensADeviceAgainThatWasGone) {
   using board::Port;
