@@ -148,11 +148,17 @@ class Console {
  public:
   Console(FlightLoop& loop, const ThreadWorker& worker) : loop_(loop), worker_(worker) {}
 
-  /// Shows what happened, then waits a while for lines; false when the program is to end.
-  bool look() {
-    const FlightView view = loop_.look();
+  /// Shows what happened since the last time.
+  FlightView show() {
+    FlightView view = loop_.look();
     for (const companion::Note& note : view.notes) print(note);
     std::fflush(stdout);
+    return view;
+  }
+
+  /// The same, then waits a while for lines; false when the program is to end.
+  bool look() {
+    const FlightView view = show();
     pollfd input{STDIN_FILENO, POLLIN, 0};
     const int ready = ::poll(&input, reads_ ? 1 : 0, kLookPeriodMs);
     if (ready > 0 && (input.revents & (POLLIN | POLLHUP)) != 0) read(view);
@@ -261,7 +267,7 @@ void let_go(FlightLoop& loop, Console& console) {
   loop.tell({.kind = companion::Word::Kind::kRelease});
   for (int i = 0; i < kLooksToLetGo; ++i) {
     console.look();
-    if (loop.look().telemetry.setpoints == Setpoints::kNone) return;
+    if (console.show().telemetry.setpoints == Setpoints::kNone) return;
   }
 }
 
@@ -284,6 +290,7 @@ void run(const Options& options) {
   }
   let_go(loop, console);
   loop.end();
+  console.show();
 }
 
 void add_options(CLI::App& app, Options& options) {

@@ -225,6 +225,22 @@ TEST(CompanionProgram, FliesOverAPseudoTerminalInRealTime) {
   std::filesystem::remove_all(logs);
 }
 
+TEST(CompanionProgram, SaysWhatHappensWhileItEnds) {
+  PixhawkSimSettings settings;
+  settings.simulation.start = {0.48, 0.48, 0};
+  FarEnd far_end(settings);
+  ASSERT_TRUE(far_end.line.open());
+  std::string config = kConfig;
+  config.replace(config.find("0.5"), 3, "9");  // it stands and stays on the ground
+  Program program(
+      {"--map", map_path(0.3), "--port", far_end.line.peer_path(), "--config", write_file("standing.json", config)});
+  program.say("engage\n");
+  ASSERT_TRUE(far_end.run_until(15, [&] { return far_end.sim.simulation().autopilot().armed(); }));
+  program.say("quit\n");
+  EXPECT_EQ(program.wait(), 0);
+  EXPECT_NE(program.text.find("idle: released by the operator"), std::string::npos) << program.text;
+}
+
 TEST(CompanionProgram, RefusesAMapThatDoesNotCoverTheMarginsAndSaysSo) {
   Program program({"--map", map_path(0.2), "--port", "/dev/null", "--config", write_file("config.json", kConfig)});
   EXPECT_EQ(program.wait(), 1);
