@@ -16,7 +16,6 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr microseconds kBin{100};
-constexpr microseconds kGiveUp{50'000};  // a step that late starts a new rhythm instead of being caught up with
 constexpr int kPriority = 20;
 constexpr std::size_t kMostNotes = 256;  // unread
 
@@ -111,18 +110,25 @@ void FlightLoop::publish(microseconds late) {
   for (; noted_ != companion_.note_count(); ++noted_) show(companion_.note(noted_));
 }
 
+microseconds FlightLoop::step_after(microseconds step, microseconds now) {
+  step += kPeriod;
+  if (now > step) step += (now - step + kPeriod / 2 - microseconds(1)) / kPeriod * kPeriod;
+  return step;
+}
+
 void FlightLoop::run() {
   hal::MonotonicClock clock;
-  microseconds next = clock.now();
+  microseconds due = clock.now();
+  microseconds next = due;
   while (!ends_) {
     sleep_until(next);
     take_words();
     const microseconds now = clock.now();
     keep_port(now);
     companion_.step(now);
-    publish(now - next);
-    next += kPeriod;
-    if (clock.now() - next > kGiveUp) next = clock.now();
+    publish(now - due);
+    due = next + kPeriod;
+    next = step_after(next, clock.now());
   }
 }
 

@@ -50,9 +50,12 @@ class FlightLoop {
   FlightView look();
   void end();
 
- private:
   static constexpr std::chrono::microseconds kPeriod{10'000};
+  /// When the step after the one of time `step` begins, at time `now`: a period later, or at once when that is past.
+  /// Steps that are late by more than half a period are left out: of a burst of set-points only the last would count.
+  static std::chrono::microseconds step_after(std::chrono::microseconds step, std::chrono::microseconds now);
 
+ private:
   void run();
   void keep_port(std::chrono::microseconds now);
   void take_words();

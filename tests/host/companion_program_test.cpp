@@ -24,6 +24,7 @@
 #include "cli/failure.hpp"
 #include "flight/memory_storage.hpp"
 #include "flight/replay.hpp"
+#include "linux/flight_loop.hpp"
 #include "linux/port.hpp"
 #include "linux/thread_storage.hpp"
 #include "linux/thread_worker.hpp"
@@ -280,6 +281,30 @@ TEST(CompanionProgram, RefusesBadInputWithOneLineAndTheContractsStatus) {
     EXPECT_EQ(program.wait(), each.status) << program.text;
     EXPECT_NE(program.text.find(each.words), std::string::npos) << program.text;
     EXPECT_EQ(std::count(program.text.begin(), program.text.end(), '\n'), 1) << program.text;
+  }
+}
+
+// ---- The steps
+
+TEST(FlightLoop, NeverMakesTwoStepsWithinHalfAPeriodHoweverLateOneWas) {
+  using board::FlightLoop;
+  using std::chrono::microseconds;
+  const microseconds step{1'000'000};
+  const auto after = [step](int late) {
+    return (FlightLoop::step_after(step, step + microseconds(late)) - step).count();
+  };
+  EXPECT_EQ(after(100), 10'000);
+  EXPECT_EQ(after(10'000), 10'000);
+  EXPECT_EQ(after(14'999), 10'000);  // at once, and the rhythm stays
+  EXPECT_EQ(after(15'001), 20'000);
+  EXPECT_EQ(after(24'000), 20'000);
+  EXPECT_EQ(after(3'000'000), 3'000'000);
+  for (int late = 0; late < 200'000; late += 7) {
+    const microseconds now = step + microseconds(late);
+    const microseconds next = FlightLoop::step_after(step, now);
+    EXPECT_EQ((next - step) % FlightLoop::kPeriod, microseconds(0));
+    const microseconds begun = std::max(now, next);  // what comes after it is half a period away at least
+    EXPECT_GE(FlightLoop::step_after(next, begun) - begun, FlightLoop::kPeriod / 2) << late;
   }
 }
 
