@@ -72,6 +72,26 @@ TEST_F(FlyTest, ArrivesAtEveryGoalLandsAndReportsAsTheContractSays) {
   }
 }
 
+TEST_F(FlyTest, KeepsItsTrackingBarInCalmAndInGustsBehindALink) {
+  struct Air {
+    Words words;
+    double rms;   // [m]
+    double most;  // [m]
+  };
+  for (const Air& air : {Air{{}, 0.06, 0.15}, Air{{"--gust", "3", "--link-delay", "0.02"}, 0.10, 0.30}}) {
+    for (const char* form : {"attitude", "rates"}) {
+      for (const char* seed : {"1", "2", "3"}) {
+        Words words = air.words;
+        words.insert(words.end(), {"--setpoint", form, "--seed", seed});
+        const Json report = fly(words);
+        EXPECT_EQ(report["status"], "arrived");
+        EXPECT_LE(report["tracking"]["rms"], air.rms) << form << " " << seed;
+        EXPECT_LE(report["tracking"]["max"], air.most) << form << " " << seed;
+      }
+    }
+  }
+}
+
 /// The report without what planning took, which is measured.
 std::string timeless(Json report) {
   for (const char* time : {"search_us", "trajectory_us", "total_us"}) report["plan"]["stats"].erase(time);
