@@ -129,6 +129,7 @@ Json flight_document(const MapFile& map, const FlightRequest& request, const Fli
   json["link"] = link_json(report);
   json["tracking"] = {{"rms", report.tracking_rms}, {"max", report.tracking_max}};
   json["flown_clearance"] = report.clearance;
+  json["touched_at"] = report.touched_at ? Json(*report.touched_at) : Json(nullptr);
   json["flown_duration"] = report.duration;
   json["events"] = events_json(report);
   json["request"] = request_json(request);

@@ -71,20 +71,21 @@ class Captain {
     }
   }
 
-  /// One turn at time `now` of the simulation, with the vehicle's true state then.
-  void step(Microseconds now, const RigidState& truth) {
+  /// One turn at time `now` of the simulation, with the vehicle's true state then and its least clearance so far [m].
+  void step(Microseconds now, const RigidState& truth, double clearance) {
     const double t = seconds(now);
     begin_faults(t);
     while (goals_given_ < request_.goals.size() && companion_.add_goal(request_.goals[goals_given_])) ++goals_given_;
     watch_.begin_step(now + clock_offset_);
     if (t >= asleep_until_) companion_.step(now + clock_offset_);
     observer_.see(t, companion_, truth, watch_);
+    observer_.see_clearance(clearance);
   }
 
   void note_fault(const Fault& fault, double t) { observer_.note_fault(fault, t); }
   [[nodiscard]] bool measures() const { return observer_.measures(); }
   [[nodiscard]] bool finished() const { return observer_.finished(); }
-  FlightReport report(double clearance) { return observer_.report(companion_, watch_, clearance); }
+  FlightReport report() { return observer_.report(companion_, watch_); }
 
  private:
   void begin_faults(double t) {
@@ -137,11 +138,11 @@ FlightReport fly_in_lockstep(const FlightRequest& request, const FlightWorld& wo
     clock.advance(kPeriod);
     uart.advance(kPeriod);
     for (const Fault& fault : sim.take_begun()) captain->note_fault(fault, fault.at);
-    captain->step(sim.time(), truth);
+    captain->step(sim.time(), truth, sim.simulation().clearance());
     sim.simulation().measure_clearance(captain->measures());
     if (captain->measures()) floor.remove_pad();
   }
-  return captain->report(sim.simulation().clearance());
+  return captain->report();
 }
 
 /// The simulation on its own thread, a millisecond at a time with the wall's clock, at the controlling end of a
@@ -226,10 +227,10 @@ Expected<FlightReport> fly_in_real_time(const FlightRequest& request, const Flig
     std::this_thread::sleep_until(start + next);
     const auto now = std::chrono::duration_cast<Microseconds>(RealTimeSim::Clock::now() - start);
     for (const Fault& fault : sim->take_begun()) captain->note_fault(fault, fault.at);
-    captain->step(now, sim->truth(now));
+    captain->step(now, sim->truth(now), sim->clearance());
     sim->measure_clearance(captain->measures());
   }
-  FlightReport report = captain->report(sim->clearance());
+  FlightReport report = captain->report();
   report.lag_max = sim->lag_max();
   return report;
 }

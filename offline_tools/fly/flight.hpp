@@ -60,8 +60,9 @@ struct FlightReport {
   double tracking_max = 0;
   double estimate_rms = 0;  ///< [m] of the companion's newest estimate, its age included, to the true position
   double estimate_max = 0;
-  double clearance = 0;  ///< [m] of the true centre to occupied voxels, while the companion was in control
-  double begin = 0;      ///< [s]
+  double clearance = 0;              ///< [m] of the true centre to occupied voxels, while the companion was in control
+  std::optional<double> touched_at;  ///< [s] when it first was the vehicle's radius or less
+  double begin = 0;                  ///< [s]
   double end = 0;
   double speed_max = 0;                              ///< [m/s] of the vehicle
   Vector3 reference_speed = Vector3::Zero();         ///< [m/s] largest of the reference, per axis

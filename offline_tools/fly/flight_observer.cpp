@@ -89,6 +89,12 @@ void FlightObserver::see(double t, const companion::Companion& companion, const 
   keep_sample(telemetry, truth, watch);
 }
 
+void FlightObserver::see_clearance(double least) {
+  report_.clearance = least;
+  const bool touches = least <= report_.record.vehicle_radius;
+  if (touches && !report_.touched_at) report_.touched_at = t_;
+}
+
 void FlightObserver::see_events(const companion::Companion& companion) {
   for (; events_seen_ < companion.event_count(); ++events_seen_) {
     if (events_seen_ + Supervisor::kEvents < companion.event_count()) continue;  // overwritten within one step: never
@@ -222,15 +228,14 @@ double FlightObserver::patience() const {
 
 bool FlightObserver::finished() const { return t_ - changed_at_ >= patience() || t_ >= request_.longest; }
 
-FlightReport FlightObserver::report(const companion::Companion& companion, const SetpointWatch& watch,
-                                    double clearance) {
+FlightReport FlightObserver::report(const companion::Companion& companion, const SetpointWatch& watch) {
   const Telemetry& telemetry = companion.telemetry();
   const std::uint32_t repeated = report_.setpoints.repeated;
   report_.setpoints = describe_setpoints(watch);
   report_.setpoints.repeated = repeated;
   report_.state = flown_state_;
   report_.landed = phase_ == Phase::kDone || state_ == FlightState::kLanded;
-  report_.clearance = begun_ ? clearance : kAbsent;
+  if (!begun_) report_.clearance = kAbsent;
   const auto mean = [this](double squares) {
     return tracked_ > 0 ? std::sqrt(squares / static_cast<double>(tracked_)) : kAbsent;
   };

@@ -13,13 +13,15 @@ class FlightObserver {
   /// After each step of the companion, or the turn of one that it slept through: `truth` at the same instant.
   void see(double t, const companion::Companion& companion, const RigidState& truth, const SetpointWatch& watch);
 
+  /// After `see`: the least distance of the vehicle's centre to an obstacle so far [m], of the time when it counts.
+  void see_clearance(double least);
+
   /// True while the distance to obstacles counts: in the air, in control, neither taking off nor landing.
   [[nodiscard]] bool measures() const { return measures_; }
   /// True when nothing more is to be expected.
   [[nodiscard]] bool finished() const;
 
-  [[nodiscard]] FlightReport report(const companion::Companion& companion, const SetpointWatch& watch,
-                                    double clearance);
+  [[nodiscard]] FlightReport report(const companion::Companion& companion, const SetpointWatch& watch);
 
  private:
   void enter(companion::Phase phase);

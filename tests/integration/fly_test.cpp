@@ -160,6 +160,21 @@ TEST_F(FlyTest, EveryFaultEndsArrivedHoldingOrYieldedWithItsReason) {
   }
 }
 
+TEST_F(FlyTest, ATouchHasATime) {
+  int touches = 0;
+  for (int at = 14; at < 19; ++at) {  // it falls, once onto the table
+    const Json report = fly({"--setpoint", "rates", "--fault", "restart@" + std::to_string(at)}, 1);
+    const bool touched = report["flown_clearance"] <= report["margins"]["vehicle_radius"];
+    ASSERT_EQ(report["touched_at"].is_null(), !touched);
+    if (!touched) continue;
+    ++touches;
+    EXPECT_GT(report["touched_at"], at);
+    EXPECT_LT(report["touched_at"], at + 2);
+  }
+  EXPECT_GT(touches, 0);
+  EXPECT_LT(touches, 5);
+}
+
 TEST_F(FlyTest, FliesOverAPseudoTerminalInRealTime) {
 #ifndef NDEBUG
   GTEST_SKIP() << "25 s of the wall's clock: once is enough";
