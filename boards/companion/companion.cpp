@@ -447,6 +447,7 @@ void Companion::report(const Decision& decision) {
   t.battery_mv = link_.autopilot().battery_mv;
   t.link = link_.counters();
   t.codec = link_.codec_counters();
+  t.signing_time = link_.signing_time();
 }
 
 }  // namespace swiftlet::companion

@@ -74,6 +74,7 @@ struct Telemetry {
   std::uint16_t battery_mv = 0xFFFF;
   mavlink::LinkCounters link;
   mavlink::CodecCounters codec;
+  std::uint64_t signing_time = 0;  ///< [10 us since 2015] of the newest signature; 0: none
 };
 
 /// A line for people: what the companion did, refused, or heard. Goes to the console, the log, and as STATUSTEXT over

@@ -20,6 +20,7 @@
 #include "linux/console.hpp"
 #include "linux/flight_loop.hpp"
 #include "linux/port.hpp"
+#include "linux/signing_time.hpp"
 #include "linux/thread_storage.hpp"
 #include "linux/thread_worker.hpp"
 #include "map/file_io.hpp"
@@ -71,7 +72,15 @@ std::uint8_t hex_digit(const std::string& path, std::byte digit) {
   throw Failure{ExitStatus::kBadFile, path + ": is not a key: 64 hexadecimal digits are needed"};
 }
 
-/// A key of 64 hexadecimal digits. Signing times count from 2015 and must never repeat, so the time of day starts them.
+/// [10 us since 2015], the unit of signing times.
+std::uint64_t time_of_day() {
+  constexpr std::chrono::seconds kStart{1'420'070'400};  // 1 January 2015
+  const auto since = std::chrono::system_clock::now().time_since_epoch() - kStart;
+  const auto ticks = std::chrono::duration_cast<std::chrono::microseconds>(since).count() / 10;
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(ticks, 0));
+}
+
+/// A key of 64 hexadecimal digits.
 mavlink::Signing load_key(const std::string& path) {
   std::vector<std::byte> text = tools::unwrap(tools::read_file(path));
   while (!text.empty() && (text.back() == std::byte{'\n'} || text.back() == std::byte{'\r'})) text.pop_back();
@@ -80,10 +89,6 @@ mavlink::Signing load_key(const std::string& path) {
   for (std::size_t i = 0; i < signing.key.size(); ++i) {
     signing.key[i] = static_cast<std::byte>(hex_digit(path, text[2 * i]) << 4U | hex_digit(path, text[2 * i + 1]));
   }
-  constexpr std::chrono::seconds kStart{1'420'070'400};  // 1 January 2015
-  const auto since = std::chrono::system_clock::now().time_since_epoch() - kStart;
-  const auto ticks = std::chrono::duration_cast<std::chrono::microseconds>(since).count() / 10;
-  signing.time = static_cast<std::uint64_t>(std::max<std::int64_t>(ticks, 0));
   return signing;
 }
 
@@ -271,26 +276,41 @@ void let_go(FlightLoop& loop, Console& console) {
   }
 }
 
+/// A flight goes on when the time of its signatures cannot be kept.
+void keep(std::optional<SigningTime>& signing_time, std::uint64_t used) {
+  try {
+    if (signing_time) signing_time->keep(used);
+  } catch (const Failure& failure) {
+    std::printf("! %s\n", failure.line.c_str());
+    signing_time.reset();
+  }
+}
+
 void run(const Options& options) {
   static PlannerStorage<kBoard> planner_memory;
   static companion::CompanionStorage<kBoard> memory;
   const PortName port_name = parse_port(options.port);
-  const companion::Settings settings = read_settings(options);
+  companion::Settings settings = read_settings(options);
+  std::optional<SigningTime> signing_time;
+  if (settings.signing) settings.signing->time = signing_time.emplace(options.key).first(time_of_day());
   const LoadedMap map = load_map(options.map);
   check_margins_of(map, options.map, settings);
   Port port(port_name);
   std::unique_ptr<KeptLog> log;
   if (!options.log.empty()) log = std::make_unique<KeptLog>(options.log, settings, map.graph);
+  if (signing_time) signing_time->keep(settings.signing->time);
   ThreadWorker worker(planner_memory.spans(), kPlanPatience);
   const companion::Devices devices{port, worker, log ? &log->log() : nullptr};
   const auto flight = std::make_unique<companion::Companion>(settings, map.graph, memory.memory(), devices);
   FlightLoop loop(*flight, port);
   Console console(loop, worker);
   while (interrupted == 0 && console.look()) {
+    keep(signing_time, console.show().telemetry.signing_time);
   }
   let_go(loop, console);
   loop.end();
-  console.show();
+  const std::uint64_t used = console.show().telemetry.signing_time;
+  if (signing_time && used > 0) signing_time->end(used);
 }
 
 void add_options(CLI::App& app, Options& options) {

@@ -26,6 +26,7 @@
 #include "flight/replay.hpp"
 #include "linux/flight_loop.hpp"
 #include "linux/port.hpp"
+#include "linux/signing_time.hpp"
 #include "linux/thread_storage.hpp"
 #include "linux/thread_worker.hpp"
 #include "map/file_io.hpp"
@@ -433,6 +434,76 @@ TEST(CompanionProgram, SpeaksAgainOverAnAdapterThatWasPulledOut) {
   EXPECT_EQ(program.wait(), 0);
   EXPECT_NE(program.text.find("! the port has gone"), std::string::npos) << program.text;
   EXPECT_NE(program.text.find("! the port is open again"), std::string::npos) << program.text;
+}
+
+// ---- The time of signatures
+
+std::uint64_t kept_time(const std::string& key) {
+  std::ifstream file(key + ".time");
+  std::uint64_t time = 0;
+  file >> time;
+  return time;
+}
+
+TEST(SigningTime, GoesOnWhereItEndedWhateverTheClockSays) {
+  using board::SigningTime;
+  const std::string key = write_file("key", "");
+  std::filesystem::remove(key + ".time");
+  {
+    SigningTime time(key);
+    EXPECT_EQ(time.first(5'000'000'000), 5'000'000'000U);
+    time.keep(5'000'000'000);
+    EXPECT_EQ(kept_time(key), 5'000'000'000 + SigningTime::kAhead);
+    time.keep(5'000'000'000 + SigningTime::kAhead / 2);
+    EXPECT_EQ(kept_time(key), 5'000'000'000 + SigningTime::kAhead);
+    time.keep(5'000'000'000 + SigningTime::kAhead / 2 + 1);
+    EXPECT_GT(kept_time(key), 5'000'000'000 + SigningTime::kAhead);
+  }
+  const std::uint64_t kept = kept_time(key);  // the power went
+  SigningTime time(key);
+  EXPECT_EQ(time.first(0), kept);
+  EXPECT_EQ(time.first(kept + 1), kept + 1);
+  time.keep(kept);
+  time.end(kept + 7);
+  EXPECT_EQ(SigningTime(key).first(0), kept + 7);
+  for (const char* bad : {"", "\n", "12", "-1\n", "12 \n", "99999999999999999999\n", "281474976710656\n"}) {
+    std::ofstream(key + ".time") << bad;
+    EXPECT_THROW(SigningTime{key}, Failure) << bad;
+  }
+  EXPECT_THROW(SigningTime("/proc/key").keep(1), Failure);
+}
+
+/// Signing time of the first frame that the program sends.
+std::uint64_t first_signing_time(hal::PseudoTerminal& line) {
+  std::array<std::byte, 512> buffer{};
+  std::size_t size = 0;
+  const auto wanted = [&] { return size < 2 ? 2 : 12 + std::to_integer<std::size_t>(buffer[1]) + 13; };
+  while (size < wanted()) {
+    pollfd waiting{line.descriptor(), POLLIN, 0};
+    if (::poll(&waiting, 1, 5000) <= 0) return 0;
+    size += line.read(std::span(buffer).subspan(size, wanted() - size));
+  }
+  std::uint64_t time = 0;
+  for (std::size_t i = 0; i < 6; ++i) time |= std::to_integer<std::uint64_t>(buffer[wanted() - 12 + i]) << (8 * i);
+  return time;
+}
+
+TEST(CompanionProgram, SignsWithATimeThatIsKept) {
+  const std::string key = write_file("key", std::string(64, 'a') + "\n");
+  constexpr std::uint64_t kYears = 200'000'000'000'000;  // ahead of the clock
+  std::ofstream(key + ".time") << kYears << "\n";
+  hal::PseudoTerminal line;
+  ASSERT_TRUE(line.open());
+  Program program({"--map", map_path(0.3), "--port", line.peer_path(), "--config", write_file("config.json", kConfig),
+                   "--key", key});
+  const std::uint64_t first = first_signing_time(line);
+  EXPECT_GT(first, kYears);
+  EXPECT_LT(first, kYears + board::SigningTime::kAhead);
+  EXPECT_EQ(kept_time(key), kYears + board::SigningTime::kAhead);
+  program.say("quit\n");
+  EXPECT_EQ(program.wait(), 0) << program.text;
+  EXPECT_GE(kept_time(key), first);
+  EXPECT_LT(kept_time(key), kYears + board::SigningTime::kAhead);
 }
 
 // ---- The log's thread
