@@ -7,7 +7,7 @@
 
 cmake_path(GET PROJECT_BINARY_DIR FILENAME SWIFTLET_TEST_PREFIX)
 set(SWIFTLET_PROPERTY_RUNS 100 CACHE STRING "Random cases of a property test: 2000 in host-release")
-set(SWIFTLET_TEST_SECONDS 300 CACHE STRING "Time limit of each test [s]")
+set(SWIFTLET_TEST_SECONDS 600 CACHE STRING "Time limit of each test [s]")
 
 # Expected values are written as doubles and serve both kinds of Real. Linked last: the last option wins.
 add_library(swiftlet_test_warnings INTERFACE)

@@ -37,8 +37,9 @@ struct RefinementSpans {
 
 /// Improves segment durations by the gradient of the optimal cost (envelope theorem), beyond the implicit adjustment of
 /// Sec. IV-E. Where a duration alone decides a cost c / T^5, T (5 c / w T^6)^(1/6) is its optimum; so each step
-/// multiplies a duration by a root of (-gradient / w), all at once, and a step that fails or does not pay halves the
-/// next one's logarithm. Never leaves the durations worse than it found them; stops early when a step gains little.
+/// multiplies a duration by a root of (-gradient / w), all at once; one that the speed limits hardly leave room shrinks
+/// only in part. A step that fails or does not pay halves the next one's logarithm. Never leaves the durations worse
+/// than it found them; stops early when a step gains little.
 ///   problem    its durations are a view of `durations`; unless no work is allowed they are feasible and have just been
 ///              solved with kTrialEffort, which left its results in `segments`, `warm` and `gradient`
 ///   warm       active rows of an earlier solve, and then of the last one here
