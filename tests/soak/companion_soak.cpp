@@ -183,7 +183,8 @@ class Soak {
     companion_.step(sim_.time());
     ++steps_;
     const companion::Telemetry& t = companion_.telemetry();
-    worst_error_ = std::max(worst_error_, t.phase == companion::Phase::kMission ? t.tracking_error : Real(0));
+    const bool counts = t.phase == companion::Phase::kMission && is_usable(t.estimate);
+    worst_error_ = std::max(worst_error_, counts ? t.tracking_error : Real(0));
     if (t.goals_reached != reached_) last_goal_ = seconds();
     reached_ = t.goals_reached;
   }
