@@ -564,7 +564,7 @@ TEST(LinkSetpoints, TheRestOfAFrameThatTheDeviceHeldUpIsDropped) {
   EXPECT_EQ(link.counters().sent_frames, 1);  // the heartbeat
   EXPECT_EQ(uart.taken, 21U + 10U);
   // The receiver finds what follows inside of the frame whose end is missing.
-  for (const Real rate : {2, 3, 4, 5, 6}) EXPECT_TRUE(link.send(RateSetpoint{.body_rates = {rate, 0, 0}}));
+  for (const int rate : {2, 3, 4, 5, 6}) EXPECT_TRUE(link.send(RateSetpoint{.body_rates = {Real(rate), 0, 0}}));
   Codec reader(kAutopilot);
   std::span<const std::byte> bytes = uart.sent();
   double sum = 0;
