@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace swiftlet {
 namespace {
@@ -45,8 +46,8 @@ Polynomial differentiate(const Polynomial& p) {
   return d;
 }
 
-// A Newton step as short as this leaves its square.
-constexpr Real kSettled = sizeof(Real) == 8 ? Real(1e-8) : Real(1e-4);
+// A Newton step as short as this leaves its square; in float only rounding is small enough.
+constexpr Real kSettled = sizeof(Real) == 8 ? Real(1e-8) : std::numeric_limits<Real>::epsilon();
 
 /// The root of p in [a, b], where p is monotone and changes sign: Newton steps kept inside the bracket by bisection.
 Real bracketed_root(const Polynomial& p, const Polynomial& slope, Real a, Real b) {
