@@ -272,7 +272,7 @@ int run_all(std::uint64_t deadline) {
 }  // namespace swiftlet::tools
 
 int main(int argc, char** argv) {
-  std::uint64_t deadline = swiftlet::WorkBudget{}.deadline;
+  std::uint64_t deadline = swiftlet::companion::PlanningSettings{}.budget.deadline;
   if (argc == 3 && std::strcmp(argv[1], "--deadline") == 0) deadline = std::strtoull(argv[2], nullptr, 10);
   return swiftlet::tools::run_all(deadline);
 }
