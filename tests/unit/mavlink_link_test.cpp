@@ -529,6 +529,15 @@ class SmallUart final : public swiftlet::hal::Uart {
   std::array<std::byte, 1024> sent_{};
 };
 
+/// The rates about x that a receiver finds in the bytes, as the digits of a number.
+double rates_read(Codec& reader, std::span<const std::byte> bytes) {
+  double digits = 0;
+  while (const auto frame = reader.receive(bytes)) {
+    if (const auto target = decode<SetAttitudeTarget>(*frame)) digits = 10 * digits + target->body_rates.value.x();
+  }
+  return digits;
+}
+
 TEST(LinkSetpoints, AFullDeviceGetsWholeFramesAndNothingStale) {
   static SmallUart uart;
   static Link link(uart, without_rates());
@@ -540,12 +549,7 @@ TEST(LinkSetpoints, AFullDeviceGetsWholeFramesAndNothingStale) {
   uart.room = 1000;
   EXPECT_TRUE(link.send(RateSetpoint{.body_rates = {3, 0, 0}}));
   Codec reader(kAutopilot);
-  std::span<const std::byte> bytes = uart.sent();
-  double sum = 0;
-  while (const auto frame = reader.receive(bytes)) {
-    if (const auto target = decode<SetAttitudeTarget>(*frame)) sum = 10 * sum + target->body_rates.value.x();
-  }
-  EXPECT_NEAR(sum, 13, kTolerance);
+  EXPECT_NEAR(rates_read(reader, uart.sent()), 13, kTolerance);
   EXPECT_EQ(reader.counters().skipped_bytes, 0);
 }
 
@@ -566,12 +570,7 @@ TEST(LinkSetpoints, TheRestOfAFrameThatTheDeviceHeldUpIsDropped) {
   // The receiver finds what follows inside of the frame whose end is missing.
   for (const int rate : {2, 3, 4, 5, 6}) EXPECT_TRUE(link.send(RateSetpoint{.body_rates = {Real(rate), 0, 0}}));
   Codec reader(kAutopilot);
-  std::span<const std::byte> bytes = uart.sent();
-  double sum = 0;
-  while (const auto frame = reader.receive(bytes)) {
-    if (const auto target = decode<SetAttitudeTarget>(*frame)) sum = 10 * sum + target->body_rates.value.x();
-  }
-  EXPECT_NEAR(sum, 23456, kTolerance);
+  EXPECT_NEAR(rates_read(reader, uart.sent()), 23456, kTolerance);
 }
 
 // ---- Time
