@@ -1,6 +1,6 @@
 #include "companion/frame_alignment.hpp"
 
-#include <cmath>
+#include "swiftlet/trigonometry.hpp"
 
 namespace swiftlet::companion {
 namespace {
@@ -45,8 +45,8 @@ void FrameAlignment::add_sample(TimeUs now) {
   last_position_ = local.position;
   const Real yaw = mavlink::yaw_of(local.attitude);
   position_sum_ += local.position;
-  cos_sum_ += std::cos(yaw);
-  sin_sum_ += std::sin(yaw);
+  cos_sum_ += cosine(yaw);
+  sin_sum_ += sine(yaw);
   ++samples_;
 }
 
@@ -61,7 +61,7 @@ bool FrameAlignment::step(TimeUs now) {
   add_sample(now);
   if (now - begun_at_ < standing_ || samples_ == 0) return false;
   const Vector3 mean = position_sum_ / static_cast<Real>(samples_);
-  link_.align(mavlink::Alignment(mean, std::atan2(sin_sum_, cos_sum_), place_, place_yaw_));
+  link_.align(mavlink::Alignment(mean, angle_of(sin_sum_, cos_sum_), place_, place_yaw_));
   tied_ = true;
   return false;
 }

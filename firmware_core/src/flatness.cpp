@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "swiftlet/trigonometry.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -32,7 +34,7 @@ Vector3 body_rates(const Matrix3& R_WB, Real thrust, const FlatOutputs& flat, Si
 }  // namespace
 
 Matrix3 attitude_from(const Vector3& z_B, Real yaw, const Matrix3& hint, Singularity& singularity) {
-  const Vector3 y_C{-std::sin(yaw), std::cos(yaw), 0};
+  const Vector3 y_C{-sine(yaw), cosine(yaw), 0};
   Vector3 x_B = y_C.cross(z_B);
   Real length = x_B.norm();
   if (length < kLeastSine) {
@@ -40,7 +42,7 @@ Matrix3 attitude_from(const Vector3& z_B, Real yaw, const Matrix3& hint, Singula
     x_B = hint.col(1).cross(z_B);
     length = x_B.norm();
     if (!(length >= kLeastSine)) {  // the hint's y axis is along the thrust as well, or no hint at all
-      x_B = Vector3{std::cos(yaw), std::sin(yaw), 0};
+      x_B = Vector3{cosine(yaw), sine(yaw), 0};
       x_B -= x_B.dot(z_B) * z_B;
       length = x_B.norm();
     }
@@ -72,7 +74,7 @@ Result<FlatState> flat_to_state(const FlatOutputs& flat, const Matrix3& hint) {
   return state;
 }
 
-Real heading_of(const Matrix3& R_WB) { return std::atan2(R_WB(1, 0), R_WB(0, 0)); }
+Real heading_of(const Matrix3& R_WB) { return angle_of(R_WB(1, 0), R_WB(0, 0)); }
 
 Quaternion to_quaternion(const Matrix3& R_WB) {
   Quaternion q(R_WB);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/trigonometry.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -31,7 +33,8 @@ bool TrackingController::bound_force(Vector3& force) const {
   force.z() = std::clamp(force.z(), settings_.thrust_min, settings_.thrust_max);
   const Real horizontal = std::sqrt(force.x() * force.x() + force.y() * force.y());
   const Real left2 = settings_.thrust_max * settings_.thrust_max - force.z() * force.z();
-  const Real most = std::min(force.z() * std::tan(settings_.tilt_max), std::sqrt(std::max(left2, Real(0))));
+  const Real most =
+      std::min(force.z() * sine(settings_.tilt_max) / cosine(settings_.tilt_max), std::sqrt(std::max(left2, Real(0))));
   if (horizontal > most) {
     force.x() *= most / horizontal;
     force.y() *= most / horizontal;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/trigonometry.hpp"
+
 namespace swiftlet {
 namespace {
 
@@ -17,8 +19,8 @@ Vector3 thrust_axis(const VehicleState& state) { return state.attitude.normalize
 Quaternion turned(const Quaternion& q, const Vector3& omega, Real dt) {
   const Vector3 half = omega * (dt / 2);
   const Real angle = half.norm();
-  const Real sinc = angle > Real(1e-4) ? std::sin(angle) / angle : 1 - angle * angle / 6;
-  const Quaternion turn(std::cos(angle), half.x() * sinc, half.y() * sinc, half.z() * sinc);
+  const Real sinc = angle > Real(1e-4) ? sine(angle) / angle : 1 - angle * angle / 6;
+  const Quaternion turn(cosine(angle), half.x() * sinc, half.y() * sinc, half.z() * sinc);
   return to_quaternion((q * turn).toRotationMatrix());
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "swiftlet/flatness.hpp"
+#include "swiftlet/trigonometry.hpp"
 
 namespace swiftlet {
 
@@ -12,7 +13,7 @@ Real wanted_yaw(const YawSettings& settings, const Vector3& position, const Vect
   const Vector3 way = (settings.mode == YawMode::kTowards ? settings.target : ahead) - position;
   const Real distance2 = way.x() * way.x() + way.y() * way.y();
   const bool has_direction = distance2 >= settings.least_distance * settings.least_distance;  // false for NaN
-  return has_direction ? std::atan2(way.y(), way.x()) : current;
+  return has_direction ? angle_of(way.y(), way.x()) : current;
 }
 
 YawState step_yaw(const YawSettings& settings, const YawState& state, Real wanted, Real dt) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "swiftlet/trigonometry.hpp"
+
 namespace swiftlet::mavlink {
 namespace {
 
@@ -29,14 +31,14 @@ Real wrap_angle(Real angle) {
 }
 
 Real yaw_of(const Quaternion& q) {
-  return std::atan2(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
+  return angle_of(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
 }
 
 Alignment::Alignment(const Vector3& p_L, Real yaw_L, const Vector3& p_W, Real yaw_W)
     : yaw_(wrap_angle(yaw_W - yaw_L)),
-      rotation_(std::cos(yaw_ / 2), 0, 0, std::sin(yaw_ / 2)),
-      cos_yaw_(std::cos(yaw_)),
-      sin_yaw_(std::sin(yaw_)) {
+      rotation_(cosine(yaw_ / 2), 0, 0, sine(yaw_ / 2)),
+      cos_yaw_(cosine(yaw_)),
+      sin_yaw_(sine(yaw_)) {
   origin_ = p_W - vector_to_map(p_L);
 }
 
