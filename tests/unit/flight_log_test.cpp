@@ -18,7 +18,7 @@ constexpr LogHeader kHeader{.version = "1", .board = "test", .settings = "{}", .
 
 /// The bytes of a log in a storage.
 struct Stored {
-  std::array<std::byte, FakeStorage::kFileBytes> bytes{};
+  std::array<std::byte, FakeStorage::kBytes> bytes{};
   std::size_t size = 0;
 };
 Stored the_stored;  // too large for a stack
