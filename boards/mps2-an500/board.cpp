@@ -9,10 +9,13 @@
 #include "swiftlet/assert.hpp"
 #include "swiftlet/hal/cmsdk_clock.hpp"
 #include "swiftlet/hal/cmsdk_uart.hpp"
+#include "swiftlet/hal/region_storage.hpp"
 #include "swiftlet/hal/uart_console.hpp"
 
 extern "C" const std::byte map_region_begin[];  // linker.ld
 extern "C" const std::byte map_region_end[];
+extern "C" std::byte log_region_begin[];
+extern "C" std::byte log_region_end[];
 
 namespace swiftlet::board {
 namespace {
@@ -58,6 +61,11 @@ hal::Uart& autopilot_uart() {
   auto* const enable_interrupts = reinterpret_cast<volatile std::uint32_t*>(0xE000E100);  // NVIC_ISER0
   *enable_interrupts = kUart1Lines;
   return uart;
+}
+
+hal::Storage& log_storage() {
+  static hal::RegionStorage storage({log_region_begin, log_region_end});
+  return storage;
 }
 
 }  // namespace swiftlet::board

@@ -15,7 +15,8 @@ constexpr microseconds kGiveUp{50'000};  // a step that late starts a new rhythm
 }  // namespace
 
 int main(int /*argc*/, char** /*argv*/) {
-  swiftlet::companion::Companion* const companion = swiftlet::board::begin_flight(swiftlet::board::autopilot_uart());
+  swiftlet::companion::Companion* const companion =
+      swiftlet::board::begin_flight(swiftlet::board::autopilot_uart(), swiftlet::board::log_storage());
   if (companion == nullptr) return 3;
   swiftlet::hal::Clock& clock = swiftlet::board::clock();
   microseconds next = clock.now();

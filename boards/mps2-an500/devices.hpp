@@ -1,5 +1,6 @@
 #pragma once
 #include "swiftlet/hal/clock.hpp"
+#include "swiftlet/hal/storage.hpp"
 #include "swiftlet/hal/uart.hpp"
 
 /// What this board has beside the things that every board has.
@@ -10,5 +11,8 @@ hal::Clock& clock();
 
 /// UART 1 at 921,600 baud, for the autopilot. The first call enables its interrupts.
 hal::Uart& autopilot_uart();
+
+/// 4 MiB of memory, which keep their files through a reset but not without power.
+hal::Storage& log_storage();
 
 }  // namespace swiftlet::board

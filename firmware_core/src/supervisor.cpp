@@ -162,7 +162,7 @@ Reason Supervisor::start_fault(const SupervisorInputs& inputs) const {
   if (age(inputs.last_message, inputs.now) > settings_.link_age_max) return Reason::kLinkLost;
   if (const Reason fault = odometry_fault(inputs.now); fault != Reason::kNone) return fault;
   if (odometry_invalid_) return Reason::kOdometryInvalid;
-  if (inputs.storage_full) return Reason::kStorageFull;
+  if (inputs.storage_full && settings_.storage_needed) return Reason::kStorageFull;
   if (!inputs.margins_covered) return Reason::kMarginsTooSmall;
   return Reason::kNone;
 }

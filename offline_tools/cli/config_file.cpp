@@ -200,6 +200,7 @@ void visit_supervisor(Visitor& visitor, SupervisorSettings& supervisor) {
   visitor.seconds("blocked_patience_s", supervisor.blocked_patience);
   visitor.count("deadline_misses_max", supervisor.deadline_misses_max, 1e6);
   visitor.number("position_jump_m", supervisor.position_jump);
+  visitor.flag("storage_needed", supervisor.storage_needed);
 }
 
 template <typename Visitor>

@@ -105,7 +105,8 @@ void print(const Line& line) {
 /// set-point was accepted by it.
 int main(int argc, char** argv) {
   static LockstepLine line(swiftlet::lockstep::line());
-  swiftlet::companion::Companion* const companion = swiftlet::board::begin_flight(line, argc > 1 ? argv[1] : "");
+  swiftlet::companion::Companion* const companion =
+      swiftlet::board::begin_flight(line, swiftlet::lockstep::storage(), argc > 1 ? argv[1] : "");
   if (companion == nullptr) return 3;
   TrackingMeter tracking;
   while (const std::optional<microseconds> now = line.next_step()) {
@@ -119,5 +120,6 @@ int main(int argc, char** argv) {
   print(Line("overruns ") << line.overruns() << ", unsent " << t.link.unsent_frames << ", lost " << t.link.lost_frames
                           << ", damaged " << t.codec.bad_checksum);
   print(Line("stack ") << static_cast<std::uint32_t>(swiftlet::board::stack_bytes_used()) << " bytes");
+  if (!swiftlet::lockstep::hand_out(swiftlet::board::end_log())) return 4;
   return line.overruns() + t.link.unsent_frames + t.link.lost_frames + t.codec.bad_checksum == 0 ? 0 : 1;
 }

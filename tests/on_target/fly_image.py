@@ -1,8 +1,8 @@
-"""fly_image.py SWIFTLET PEER FOLDER bare|hosted COMMAND...: flies companion_image through a classroom in lock-step.
+"""fly_image.py SWIFTLET PEER FOLDER bare|hosted|float COMMAND...: flies companion_image through a classroom in lock-step.
 
 COMMAND runs it. PEER, companion_peer of the host, is vehicle and ground station at the other end of its line: a bare
-board's second serial line, the standard input of any other. Both print how the flight went. Exit status 77 without the
-host's programs: build the preset host-release.
+board's second serial line, the standard input of any other. Both print how the flight went. SWIFTLET replays the log, unless
+its numbers are floats. Exit status 77 without the host's programs: build the preset host-release.
 """
 import atexit
 import pathlib
@@ -25,8 +25,8 @@ def make_map(program, folder):
     return octomap, blob
 
 
-def start(command, standard_input):
-    image = subprocess.Popen(command, stdin=standard_input, stdout=subprocess.PIPE, text=True)
+def start(command, standard_input, folder):
+    image = subprocess.Popen(command, stdin=standard_input, stdout=subprocess.PIPE, text=True, cwd=folder)
     atexit.register(image.kill)
     return image
 
@@ -39,7 +39,7 @@ def start_bare(command, blob):
         listener.listen(1)
         listener.settimeout(60)
         image = start([*command[:-2], "-device", f"loader,file={blob},addr={MAP_REGION:#x},force-raw=on",
-                       "-serial", f"unix:{path}", *command[-2:]], subprocess.DEVNULL)
+                       "-serial", f"unix:{path}", *command[-2:]], subprocess.DEVNULL, blob.parent)
         line, _ = listener.accept()
     line.setblocking(True)
     return image, line
@@ -48,7 +48,12 @@ def start_bare(command, blob):
 def start_hosted(command, blob):
     line, far_end = socket.socketpair()
     with far_end:
-        return start([*command, blob], far_end), line
+        return start([*command, blob], far_end, blob.parent), line
+
+
+def replay(program, log, blob):
+    subprocess.run([program, "replay", log, "--map", blob], check=True)
+    print(f"{log.stat().st_size} bytes of log")
 
 
 def main():
@@ -59,6 +64,8 @@ def main():
             sys.exit(SKIPPED)
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
+    log = folder / "flight_0001.ulg"
+    log.unlink(missing_ok=True)
     octomap, blob = make_map(program, folder)
 
     image, line = (start_bare if kind == "bare" else start_hosted)(command, blob)
@@ -73,6 +80,8 @@ def main():
     stack = int(console.split()[-2])
     if stack > MOST_STACK:
         sys.exit(f"the flight took {stack} bytes of stack; at most {MOST_STACK} are allowed")
+    if kind != "float":
+        replay(program, log, blob)
 
 
 main()

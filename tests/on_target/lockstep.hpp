@@ -2,7 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
+#include "swiftlet/hal/storage.hpp"
 #include "swiftlet/hal/uart.hpp"
 #include "swiftlet/mavlink/messages.hpp"
 
@@ -16,11 +18,16 @@ inline constexpr mavlink::Address kPeer{255, 25};
 
 inline constexpr std::int64_t kTheEnd = -1;  ///< [ns] an answer below 0: the flight is over
 
-// The image's end of the line: bare_line.cpp, hosted_line.cpp.
+// The image's end of the line, and where its log goes: bare_line.cpp, hosted_line.cpp.
 
 hal::Uart& line();
 
 /// What the line brings, waiting until there is something; 0 when nothing can come any more.
 std::size_t wait_for_bytes(std::span<std::byte> into);
+
+hal::Storage& storage();
+
+/// Makes a file of the storage one of the working folder of who runs the image; it did not exist. False when it cannot.
+bool hand_out(std::string_view name);
 
 }  // namespace swiftlet::lockstep

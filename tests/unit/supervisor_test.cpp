@@ -13,7 +13,7 @@ constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN();
 
 /// A flight at 1 m/s along x, stepped at 100 Hz with odometry at 50 Hz, 20 ms old. Faults are switched on by the tests.
 struct Flight {
-  Supervisor supervisor{{}};
+  Supervisor supervisor;
   SupervisorInputs inputs;
   Decision decision;
   TimeUs now = kStart;  // true time
@@ -29,7 +29,7 @@ struct Flight {
   Vector3 estimate_error = Vector3::Zero();
   Vector3 reference_shift = Vector3::Zero();
 
-  Flight() {
+  explicit Flight(const SupervisorSettings& settings = {}) : supervisor(settings) {
     inputs.airborne = true;
     inputs.map_id = inputs.plan_map_id = 7;
   }
@@ -390,6 +390,18 @@ TEST(Supervisor, AFullStorageIsNotedInFlightAndForbidsAStart) {
   on_ground.run(kSecondUs);
   EXPECT_TRUE(on_ground.decision.state == FlightState::kIdle);
   EXPECT_TRUE(on_ground.decision.reason == Reason::kStorageFull);
+}
+
+TEST(Supervisor, AFullStorageThatIsNotNeededIsNotedAndForbidsNothing) {
+  SupervisorSettings settings;
+  settings.storage_needed = false;
+  Flight flight(settings);
+  const std::uint32_t before = flight.supervisor.event_count();
+  flight.inputs.storage_full = true;
+  flight.run(kSecondUs);
+  EXPECT_TRUE(flight.supervisor.event(before).reason == Reason::kStorageFull);
+  flight.fly();
+  EXPECT_TRUE(flight.decision.state == FlightState::kFlying);
 }
 
 TEST(Supervisor, ATrackingErrorBeyondTheTubeBrakesWithTheNextSample) {

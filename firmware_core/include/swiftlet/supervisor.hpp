@@ -63,6 +63,7 @@ struct SupervisorSettings {
   std::uint32_t deadline_misses_max = 3;  ///< in a row: brake
   Real tracking_tube = Real(0.15);        ///< [m] brake beyond it: the margin ledger's share
   Real position_jump = Real(0.3);         ///< [m] beyond what velocity explains: a jump of the estimate
+  bool storage_needed = true;             ///< a full storage forbids a start
 };
 
 /// Everything that a step looks at. Times are instants of the same clock as `now`.
