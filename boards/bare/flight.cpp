@@ -20,39 +20,7 @@ companion::CompanionStorage<kBoard> companion_memory;
 std::optional<companion::FlightLog> flight_log;
 std::array<char, 16> log_name{"flight_0000.ulg"};
 
-void print(std::string_view line) {
-  console().write(line);
-  console().write({"\n", 1});
-}
-
-void print(const companion::Note& note) {
-  const bool warns = note.severity <= mavlink::Severity::kWarning;
-  companion::Line time;
-  time << static_cast<Real>(note.time) / kSecondUs << (warns ? " ! " : " ");
-  console().write(time.view());
-  print(note.view());
-}
-
-}  // namespace
-
-/// A small vehicle in the classroom (tests/on_target/companion_peer.cpp). A plan holds up the set-points, so its
-/// trajectory gets half the worst-case latency; search and step have the rest.
-companion::Settings flight_settings() {
-  companion::Settings settings;
-  settings.start = {Real(0.48), Real(0.48), 0};
-  settings.start_yaw = Real(0.4);
-  settings.margins.vehicle_radius = Real(0.1);
-  settings.margins.map_error = Real(0.03);
-  settings.takeoff.height = Real(0.8);
-  const double units = static_cast<double>(settings.planning.latency) / 2 * kWorkPerMicrosecond;
-  settings.planning.budget.deadline = static_cast<std::uint64_t>(units);
-  settings.supervisor.storage_needed = false;  // memory is soon full
-  return settings;
-}
-
-namespace {
-
-/// flight_settings() as a swiftlet-config/1 text, in `text`.
+/// flight_settings() as a swiftlet-config/1 text, in `text`: if it were not, the log would not replay.
 std::string_view settings_text(std::span<char> text) {
   constexpr std::string_view kHead =
       R"({"format":"swiftlet-config/1","start_m":[0.48,0.48,0],"start_yaw_rad":0.4,)"
@@ -83,10 +51,25 @@ void begin_log(hal::Storage& logs, std::uint32_t map_crc32) {
 
 }  // namespace
 
+/// A small vehicle in the classroom (tests/on_target/companion_peer.cpp). A plan holds up the set-points, so its
+/// trajectory gets half the worst-case latency; search and step have the rest.
+companion::Settings flight_settings() {
+  companion::Settings settings;
+  settings.start = {Real(0.48), Real(0.48), 0};
+  settings.start_yaw = Real(0.4);
+  settings.margins.vehicle_radius = Real(0.1);
+  settings.margins.map_error = Real(0.03);
+  settings.takeoff.height = Real(0.8);
+  const double units = static_cast<double>(settings.planning.latency) / 2 * kWorkPerMicrosecond;
+  settings.planning.budget.deadline = static_cast<std::uint64_t>(units);
+  settings.supervisor.storage_needed = false;  // memory is soon full
+  return settings;
+}
+
 companion::Companion* begin_flight(hal::Uart& autopilot, hal::Storage& logs, const char* map_path) {
   const Result<BoxGraphView> map = BoxGraphView::open(trim_to_blob(map_region(map_path)));
   if (!map.ok()) {
-    print((companion::Line("no map at the map region: ") << describe(map.status())).view());
+    console().write((companion::Line("no map at the map region: ") << describe(map.status()) << "\n").view());
     return nullptr;
   }
   begin_log(logs, map->header().crc32);
@@ -99,13 +82,6 @@ companion::Companion* begin_flight(hal::Uart& autopilot, hal::Storage& logs, con
 std::string_view end_log() {
   if (flight_log) flight_log->end();
   return log_name.data();
-}
-
-void print_notes(const companion::Companion& companion) {
-  static std::uint32_t printed = 0;
-  const std::uint32_t count = companion.note_count();
-  printed = std::max(printed, count - std::min(count, companion::Companion::kNotes));
-  for (; printed != count; ++printed) print(companion.note(printed));
 }
 
 }  // namespace swiftlet::board

@@ -19,7 +19,4 @@ companion::Companion* begin_flight(hal::Uart& autopilot, hal::Storage& logs, con
 /// Writes what still waits of the log, after the last step, and tells its name.
 std::string_view end_log();
 
-/// Writes the notes since the last call on the console.
-void print_notes(const companion::Companion& companion);
-
 }  // namespace swiftlet::board

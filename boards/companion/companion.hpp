@@ -72,6 +72,7 @@ class Companion {
   /// Lines for people; the newest kNotes are kept, note(n) for note_count() - kNotes <= n < note_count().
   [[nodiscard]] std::uint32_t note_count() const { return journal_.count(); }
   [[nodiscard]] const Note& note(std::uint32_t n) const { return journal_.note(n); }
+  [[nodiscard]] const Journal& journal() const { return journal_; }
 
  private:
   using Microseconds = std::chrono::microseconds;

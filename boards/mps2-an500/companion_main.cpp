@@ -3,6 +3,8 @@
 #include <chrono>
 
 #include "bare/flight.hpp"
+#include "board.hpp"
+#include "companion/note_printer.hpp"
 #include "devices.hpp"
 
 namespace {
@@ -19,12 +21,13 @@ int main(int /*argc*/, char** /*argv*/) {
       swiftlet::board::begin_flight(swiftlet::board::autopilot_uart(), swiftlet::board::log_storage());
   if (companion == nullptr) return 3;
   swiftlet::hal::Clock& clock = swiftlet::board::clock();
+  swiftlet::companion::NotePrinter printer(swiftlet::board::console());
   microseconds next = clock.now();
   while (true) {
     while (clock.now() < next) {
     }
     companion->step(clock.now());
-    swiftlet::board::print_notes(*companion);
+    (void)printer.print_next(companion->journal());
     next += kPeriod;
     if (clock.now() - next > kGiveUp) next = clock.now();
   }

@@ -9,7 +9,7 @@
 
 #include "bare/flight.hpp"
 #include "board.hpp"
-#include "companion/text.hpp"
+#include "companion/note_printer.hpp"
 #include "lockstep.hpp"
 
 namespace {
@@ -109,10 +109,13 @@ int main(int argc, char** argv) {
       swiftlet::board::begin_flight(line, swiftlet::lockstep::storage(), argc > 1 ? argv[1] : "");
   if (companion == nullptr) return 3;
   TrackingMeter tracking;
+  swiftlet::companion::NotePrinter printer(swiftlet::board::console());
   while (const std::optional<microseconds> now = line.next_step()) {
     companion->step(*now);
-    swiftlet::board::print_notes(*companion);
+    (void)printer.print_next(companion->journal());
     tracking.add(companion->telemetry());
+  }
+  while (printer.print_next(companion->journal())) {
   }
   const Telemetry& t = companion->telemetry();
   print(Line("goals reached ") << t.goals_reached << ", plans " << t.plan.id << ", discarded " << t.plans_discarded);

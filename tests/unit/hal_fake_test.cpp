@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "swiftlet/hal/fake_clock.hpp"
+#include "swiftlet/hal/fake_console.hpp"
 #include "swiftlet/hal/fake_line.hpp"
 #include "swiftlet/hal/fake_storage.hpp"
 #include "swiftlet_test.hpp"
@@ -102,6 +103,29 @@ TEST(FakeLine, FaultsComeAtTheirRateAndAreTheSameForTheSameSeed) {
   EXPECT_NEAR(static_cast<double>(damaged), 360, 80);
   EXPECT_EQ(digest, fault_digest(same, arrived, damaged));
   EXPECT_NE(digest, fault_digest(other, arrived, damaged));
+}
+
+TEST(FakeConsole, KeepsWhatFitsAndCountsTheRest) {
+  FakeClock clock;
+  swiftlet::hal::FakeConsole console(clock);
+  const std::array<char, 3000> text{};
+  console.write(text);
+  EXPECT_EQ(console.text().size(), 3000);
+  console.write(text);
+  EXPECT_EQ(console.text().size(), 4096);
+  EXPECT_EQ(console.lost(), 6000 - 4096);
+  EXPECT_TRUE(clock.now() == 0us);
+}
+
+TEST(FakeConsole, LetsItsWriterWait) {
+  FakeClock clock;
+  swiftlet::hal::FakeConsole console(clock);
+  console.faults() = {.byte_time = 10us, .stalled_until = 5ms};
+  console.write(std::string_view("late"));
+  EXPECT_TRUE(clock.now() == 5040us);
+  console.write(std::string_view("later"));
+  EXPECT_TRUE(clock.now() == 5090us);
+  EXPECT_TRUE(console.text() == "latelater");
 }
 
 TEST(FakeStorage, KeepsWhatWasAppendedUntilItIsFull) {
