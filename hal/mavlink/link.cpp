@@ -106,6 +106,7 @@ void Link::shift_clock(microseconds jump) {
   next_time_sync_ = now_ + jump;  // the clocks meet anew
   time_sync_asked_.fill(0);
   if (!requests_.empty()) requests_.front().next_at += jump;  // the others have not been sent yet
+  if (!parameter_questions_.empty()) parameter_questions_.front().next_at += jump;
   if (latest_command_.has_value()) latest_command_->at += jump;
 }
 
@@ -159,7 +160,8 @@ bool Link::take_autopilot(const Frame& frame) {
   return take_as.operator()<AttitudeQuaternion>() || take_as.operator()<LocalPositionNed>() ||
          take_as.operator()<Odometry>() || take_as.operator()<TimeSyncMessage>() || take_as.operator()<Heartbeat>() ||
          take_as.operator()<CurrentMode>() || take_as.operator()<SystemStatus>() ||
-         take_as.operator()<ExtendedSystemState>() || take_as.operator()<CommandAck>();
+         take_as.operator()<ExtendedSystemState>() || take_as.operator()<CommandAck>() ||
+         take_as.operator()<ParameterValue>();
 }
 
 void Link::take(const Heartbeat& heartbeat) {
@@ -384,6 +386,43 @@ void Link::queue_rate() {
   request.command.param[0] = static_cast<float>(rate.id);
   request.command.param[1] = rate.hz > 0 ? 1e6F / rate.hz : -1.0F;  // [us]; -1: never
   static_cast<void>(requests_.try_push_back(request));              // into an empty ring
+}
+
+// ---- Parameters of the autopilot
+
+bool Link::request_parameter(std::string_view name) {
+  ParameterQuestion question;
+  if (name.size() > question.name.size()) return false;
+  std::copy(name.begin(), name.end(), question.name.begin());
+  return parameter_questions_.try_push_back(question);
+}
+
+void Link::ask_for_parameter() {
+  if (parameter_questions_.empty()) return;
+  ParameterQuestion& question = parameter_questions_.front();
+  if (question.transmissions > 0 && now_ < question.next_at) return;
+  if (question.transmissions >= kMaxTransmissions) return answer_parameter(std::nullopt);
+  if (!transmit(ParameterRequest{.target = autopilot_address_, .name = question.name})) return;
+  ++question.transmissions;
+  question.next_at = now_ + kRepeatAfter;
+}
+
+/// PX4 does not say whom it answers.
+void Link::take(const ParameterValue& parameter) {
+  const bool awaited = !parameter_questions_.empty() && parameter_questions_.front().transmissions > 0 &&
+                       text_of(parameter_questions_.front().name) == text_of(parameter.name);
+  if (!awaited) {
+    ++counters_.unused;
+    return;
+  }
+  const bool usable = parameter.type == kParameterReal32 && std::isfinite(parameter.value);
+  if (!usable) ++counters_.refused_values;
+  answer_parameter(usable ? std::optional(parameter.value) : std::nullopt);
+}
+
+void Link::answer_parameter(std::optional<float> value) {
+  const std::optional<ParameterQuestion> question = parameter_questions_.pop_front();
+  if (!parameter_answers_.try_push_back({question->name, value})) ++counters_.dropped_events;
 }
 
 // ---- Set-points
@@ -653,6 +692,7 @@ void Link::send_due() {
     next_time_sync_ = now_ + kTimeSyncPeriod;
   }
   advance_request();
+  ask_for_parameter();
   if (next_parameter_ < parameters_.size() && backlog_size_ == 0) send_parameter(next_parameter_++);
 }
 

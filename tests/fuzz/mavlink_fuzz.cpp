@@ -53,7 +53,9 @@ void use(Link& link, std::uint64_t step) {
   }
   while (const auto text = link.take_text()) require(text_of(text->text).size() <= text->text.size());
   if (const auto goal = link.take_goal()) require(goal->position.allFinite() && std::isfinite(goal->yaw.value_or(0)));
+  while (const auto answer = link.take_parameter()) require(std::isfinite(answer->value.value_or(0)));
   if (step == 1) link.request_mode(Mode::kOffboard);
+  if (step < 4) link.request_parameter(step == 0 ? "SIXTEEN_LETTERS_" : "");
   if (step == 2) link.align({1, 2, 3}, 1);
 }
 

@@ -686,6 +686,101 @@ ParameterName name_of_parameter(const char* text) {
   return name;
 }
 
+ParameterName to_name(std::string_view text) {
+  ParameterName name{};
+  std::copy(text.begin(), text.end(), name.begin());
+  return name;
+}
+
+ParameterValue autopilot_says(std::string_view name, float value) {
+  return {.name = to_name(name), .value = value, .type = kParameterReal32, .count = 1000, .index = 7};
+}
+
+TEST(LinkParameters, OfTheAutopilotAreAskedForByNameAndAnswered) {
+  Bench& bench = fresh_bench(without_rates());
+  EXPECT_TRUE(bench.link.request_parameter("MPC_THR_HOVER"));
+  EXPECT_TRUE(bench.link.request_parameter("SIXTEEN_LETTERS_"));
+  bench.step();
+  int count = 0;
+  const auto request = bench.hear_last<ParameterRequest>(&count);
+  ASSERT_TRUE(request.has_value());
+  EXPECT_EQ(count, 1);  // one after the other
+  EXPECT_TRUE(request->target == kAutopilot);
+  EXPECT_EQ(request->index, -1);
+  EXPECT_TRUE(text_of(request->name) == "MPC_THR_HOVER");
+  EXPECT_FALSE(bench.link.take_parameter().has_value());
+  bench.say(autopilot_says("MPC_THR_HOVER", 0.35F));
+  const auto answer = bench.link.take_parameter();
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_TRUE(text_of(answer->name) == "MPC_THR_HOVER");
+  EXPECT_EQ(answer->value.value_or(0), 0.35F);
+  const auto second = bench.hear_last<ParameterRequest>(&count);
+  ASSERT_TRUE(second.has_value());
+  EXPECT_TRUE(text_of(second->name) == "SIXTEEN_LETTERS_");
+  bench.say(autopilot_says("SIXTEEN_LETTERS_", -1));
+  EXPECT_EQ(bench.link.take_parameter()->value.value_or(0), -1.0F);
+  bench.run(2000ms);
+  bench.hear_last<ParameterRequest>(&count);
+  EXPECT_EQ(count, 0);
+}
+
+TEST(LinkParameters, ThatTheAutopilotDoesNotKnowAreAskedForFourTimes) {
+  Bench& bench = fresh_bench(without_rates());
+  EXPECT_TRUE(bench.link.request_parameter("MPC_THR_HOVER"));
+  bench.run(1200ms);
+  int count = 0;
+  bench.hear_last<ParameterRequest>(&count);
+  EXPECT_EQ(count, 4);
+  EXPECT_FALSE(bench.link.take_parameter().has_value());
+  bench.run(100ms);
+  const auto answer = bench.link.take_parameter();
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_TRUE(text_of(answer->name) == "MPC_THR_HOVER");
+  EXPECT_FALSE(answer->value.has_value());
+  bench.say(autopilot_says("MPC_THR_HOVER", 0.35F));  // too late
+  EXPECT_FALSE(bench.link.take_parameter().has_value());
+  bench.run(2000ms);
+  bench.hear_last<ParameterRequest>(&count);
+  EXPECT_EQ(count, 0);
+}
+
+TEST(LinkParameters, OfTheAutopilotHaveNoValueUnlessItIsAFiniteReal32) {
+  Bench& bench = fresh_bench(without_rates());
+  constexpr std::uint8_t kInt32 = 6;
+  for (const ParameterValue& value : {autopilot_says("P", kNan), autopilot_says("P", -1 / 0.0F),
+                                      ParameterValue{.name = to_name("P"), .value = 1, .type = kInt32}}) {
+    const std::uint32_t refused = bench.link.counters().refused_values;
+    EXPECT_TRUE(bench.link.request_parameter("P"));
+    bench.step();
+    bench.say(value);
+    const auto answer = bench.link.take_parameter();
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_FALSE(answer->value.has_value());
+    EXPECT_EQ(bench.link.counters().refused_values, refused + 1);
+  }
+}
+
+TEST(LinkParameters, OnlyTheAutopilotsAnswersToOurQuestionsCount) {
+  Bench& bench = fresh_bench(without_rates());
+  bench.say(autopilot_says("P", 1));  // that nobody asked for
+  EXPECT_TRUE(bench.link.request_parameter("P"));
+  bench.step();
+  bench.say(autopilot_says("P2", 2));
+  bench.say(bench.station, autopilot_says("P", 3));
+  EXPECT_EQ(bench.link.counters().unused, 2U);
+  EXPECT_EQ(bench.link.counters().foreign, 1U);
+  EXPECT_FALSE(bench.link.take_parameter().has_value());
+  bench.say(autopilot_says("P", 4));
+  EXPECT_EQ(bench.link.take_parameter()->value.value_or(0), 4.0F);
+}
+
+TEST(LinkParameters, NamesThatAreTooLongAndTooManyAreRefused) {
+  Bench& bench = fresh_bench(without_rates());
+  EXPECT_FALSE(bench.link.request_parameter("SEVENTEEN_LETTERS"));
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(bench.link.request_parameter("P"));
+  EXPECT_FALSE(bench.link.request_parameter("P"));
+}
+
 TEST(LinkParameters, AreListedReadAndSetWhereTheyMayBe) {
   static std::array<Parameter, 3> parameters{Parameter{"SPEED_MAX", 1.5F, 0.1F, 10, true},
                                              Parameter{"RADIUS", 0.3F, 0, 1, false},

@@ -134,6 +134,12 @@ struct Outcome {
   CommandResult result = CommandResult::kAccepted;
 };
 
+/// What the autopilot says of a parameter of its own; no value when it does not answer, or not with a finite REAL32.
+struct ParameterAnswer {
+  ParameterName name{};
+  std::optional<float> value{};
+};
+
 /// A text for people; longer ones are cut.
 struct Text {
   Address from{};
@@ -153,7 +159,7 @@ struct LinkCounters {
   std::uint32_t refused_values = 0;  ///< Not finite, no rotation, or in a frame that we do not know.
   std::uint32_t refused_setpoints = 0;
   std::uint32_t unauthorised = 0;    ///< Unsigned, where a signature is asked for.
-  std::uint32_t dropped_events = 0;  ///< Texts, commands or outcomes that nobody fetched in time.
+  std::uint32_t dropped_events = 0;  ///< Texts, commands, outcomes or parameters that nobody fetched in time.
   std::uint32_t refused_rates = 0;   ///< SET_MESSAGE_INTERVAL that the autopilot did not accept.
   std::uint32_t stray_acknowledgements = 0;
 };
@@ -192,6 +198,11 @@ class Link {
   void cancel_requests();  ///< Those that are not done are not repeated and have no outcome.
   std::optional<Outcome> take_outcome() { return outcomes_.pop_front(); }
 
+  // Parameters of the autopilot, asked for one after the other and up to four times each. False when the name has more
+  // than 16 characters or the queue is full.
+  bool request_parameter(std::string_view name);
+  std::optional<ParameterAnswer> take_parameter() { return parameter_answers_.pop_front(); }
+
   // Set-points, sent at once and once. False when not sent: not finite, thrust outside 0 to 1, no rotation, device
   // full.
   bool send(const PositionSetpoint& setpoint);
@@ -217,6 +228,11 @@ class Link {
     std::uint8_t transmissions = 0;
     std::chrono::microseconds next_at{0};
   };
+  struct ParameterQuestion {
+    ParameterName name{};
+    std::uint8_t transmissions = 0;
+    std::chrono::microseconds next_at{0};
+  };
   enum class Stamp : std::uint8_t { kPosition, kAttitude, kOdometry };  // whose time it is
 
   void receive();
@@ -234,6 +250,7 @@ class Link {
   void take(const AttitudeQuaternion& attitude);
   void take(const Odometry& odometry);
   void take(const CommandAck& ack);
+  void take(const ParameterValue& parameter);
   void take(const TimeSyncMessage& message);
   void set_mode(Mode mode, std::uint32_t custom_mode);
   void set_position(const Vector3& position, const Vector3& velocity, std::chrono::microseconds sampled_at);
@@ -256,6 +273,8 @@ class Link {
   void advance_request();
   void finish_request(Outcome::Kind kind, CommandResult result);
   void queue_rate();
+  void ask_for_parameter();
+  void answer_parameter(std::optional<float> value);
   void send_parameter(std::size_t index);
   void acknowledge(const ReceivedCommand& command, CommandResult result);
   std::size_t find_parameter(std::string_view name) const;
@@ -299,6 +318,8 @@ class Link {
 
   Ring<Request, 8> requests_;
   Ring<Outcome, 8> outcomes_;
+  Ring<ParameterQuestion, 4> parameter_questions_;
+  Ring<ParameterAnswer, 4> parameter_answers_;
   Ring<ReceivedCommand, 4> commands_;
   Ring<Text, 4> texts_;
   std::optional<Goal> goal_;
