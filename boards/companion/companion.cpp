@@ -12,6 +12,10 @@ constexpr std::uint16_t kCommandLand = 21;
 constexpr std::uint16_t kCommandPauseContinue = 193;
 constexpr std::uint16_t kCommandMissionStart = 300;
 
+// Parameters of PX4.
+constexpr std::string_view kHoverThrust = "MPC_THR_HOVER";
+constexpr std::string_view kOffboardLossTime = "COM_OF_LOSS_T";  // [s]
+
 constexpr Real kSameGoal = Real(0.01);       // [m] [rad] a ground station that repeats its goal
 constexpr TimeUs kStream = 3 * kSecondUs;    // within which it says nothing new by that
 constexpr TimeUs kAttitudeAgeMax = 100'000;  // behind the position, before it counts as missing
@@ -207,6 +211,8 @@ void Companion::receive(Microseconds now) {
   take_commands();
   take_texts();
   take_parameters();
+  ask_for_parameters();
+  take_answers();
 }
 
 /// A goal that comes over the link replaces all others, as a target does. It is no news while it is waiting or flown
@@ -268,6 +274,37 @@ void Companion::take_parameters() {
   if (link_.parameter_changes() == parameter_changes_) return;
   parameter_changes_ = link_.parameter_changes();
   change_limits(Real(parameters_[kSpeed].value), Real(parameters_[kAcceleration].value));
+}
+
+/// On the ground, when the autopilot has come or come back. Who knows no such parameter does not answer, and nobody
+/// waits.
+void Companion::ask_for_parameters() {
+  const mavlink::AutopilotState& autopilot = link_.autopilot();
+  if (!autopilot.heard || autopilot.armed || asked_boot_ == autopilot.restarts) return;
+  asked_boot_ = autopilot.restarts;
+  if (settings_.asks_hover_thrust) (void)link_.request_parameter(kHoverThrust);
+  (void)link_.request_parameter(kOffboardLossTime);
+}
+
+void Companion::take_answers() {
+  while (const std::optional<mavlink::ParameterAnswer> answer = link_.take_parameter()) {
+    if (!answer->value) continue;
+    const bool is_hover_thrust = mavlink::text_of(answer->name) == kHoverThrust;
+    is_hover_thrust ? take_hover_thrust(*answer->value) : check_loss_time(*answer->value);
+  }
+}
+
+void Companion::take_hover_thrust(float share) {
+  if (!steering_.begin_with_hover_thrust(Real(share))) return;
+  journal_.info(Line("hover thrust ") << steering_.hover_thrust() << " of the autopilot");
+}
+
+/// Until set-points are given up, the autopilot must wait for the next one.
+void Companion::check_loss_time(float seconds) {
+  const Real apart = to_seconds(settings_.supervisor.setpoint_age_yield);
+  if (seconds >= static_cast<float>(apart)) return;
+  journal_.warn(Line() << kOffboardLossTime << " is " << Real(seconds) << " s: too short for set-points that may be "
+                       << apart << " s apart");
 }
 
 // ---- The estimate

@@ -92,6 +92,10 @@ class Companion {
   bool engage_at_once();
   void take_texts();
   void take_parameters();
+  void ask_for_parameters();
+  void take_answers();
+  void take_hover_thrust(float share);
+  void check_loss_time(float seconds);
   void obey();
   void carry_out(const Word& word);
   Decision decide();
@@ -139,6 +143,7 @@ class Companion {
   std::uint32_t link_goal_id_ = 0;          // 0: it was refused
   TimeUs stream_until_ = 0;                 // before it a repetition is no news
   std::uint32_t parameter_changes_ = 0;
+  std::optional<std::uint32_t> asked_boot_;  // of the autopilot, in which it was asked for its parameters
   std::uint32_t noted_events_ = 0;
   std::uint32_t logged_notes_ = 0;
   Telemetry telemetry_;

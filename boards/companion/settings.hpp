@@ -76,6 +76,7 @@ struct Settings {
   CommandDelays delays;
   PredictorSettings predictor;
   HoverThrustSettings hover_thrust;
+  bool asks_hover_thrust = true;  ///< what the autopilot answers takes the place of hover_thrust.initial
   SupervisorSettings supervisor;  ///< its tracking tube is taken from `margins`
 
   // Not in the configuration file: a key has a file of its own.

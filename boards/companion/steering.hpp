@@ -37,6 +37,8 @@ class Steering {
   bool send(mavlink::Link& link);
 
   [[nodiscard]] Real thrust() const { return thrust_; }  ///< 0 to 1, of the last command
+  /// Before the first flight: what somebody else knows of it. Whether it is taken.
+  bool begin_with_hover_thrust(Real hover) { return hover_.begin_with(hover); }
   [[nodiscard]] Real hover_thrust() const { return hover_.hover(); }
   [[nodiscard]] const YawState& yaw() const { return yaw_; }
 

@@ -15,6 +15,12 @@ constexpr Real kLeastLift = Real(0.3) * kGravity;  // [m/s^2] mean below which t
 HoverThrustEstimator::HoverThrustEstimator(const HoverThrustSettings& settings)
     : settings_(settings), hover_(settings.initial) {}
 
+bool HoverThrustEstimator::begin_with(Real hover) {
+  if (learnt_ || !std::isfinite(hover)) return false;
+  hover_ = std::clamp(hover, settings_.least, settings_.most);
+  return true;
+}
+
 void HoverThrustEstimator::open(TimeUs time, Real climb) {
   open_ = true;
   window_start_ = last_ = time;
@@ -36,6 +42,7 @@ void HoverThrustEstimator::update(TimeUs time, Real climb, Real cos_tilt, Real s
     const Real measured = kGravity * vertical_impulse_ / duration / lift;
     const Real share = duration / (settings_.time_constant + duration);
     hover_ = std::clamp(hover_ + share * (measured - hover_), settings_.least, settings_.most);
+    learnt_ = true;
   }
   open(time, climb);
 }

@@ -43,6 +43,12 @@ class Reader : private JsonReader {
     const Json* json = find(key);
     if (json != nullptr) value = json->is_null() ? kUnlimited : finite(*json, key);
   }
+  /// null, or nothing: the autopilot is asked.
+  void number_or_ask(const char* key, Real& value, bool& asks) {
+    const Json* json = find(key);
+    asks = json == nullptr || json->is_null();
+    if (!asks) value = finite(*json, key);
+  }
   void seconds(const char* key, TimeUs& value) {
     const Json* json = find(key);
     if (json == nullptr) return;
@@ -136,6 +142,7 @@ class Writer {
  public:
   void number(const char* key, Real value) { (*at_)[key] = value; }
   void limit(const char* key, Real value) { (*at_)[key] = std::isfinite(value) ? Json(value) : Json(nullptr); }
+  void number_or_ask(const char* key, Real value, bool asks) { (*at_)[key] = asks ? Json(nullptr) : Json(value); }
   void seconds(const char* key, TimeUs value) { (*at_)[key] = static_cast<double>(value) / 1e6; }
   template <typename Integer>
   void count(const char* key, Integer value, double most) {
@@ -271,7 +278,7 @@ void visit(Visitor& visitor, Settings& settings) {
     visitor.seconds("longest_s", settings.predictor.longest);
   });
   visitor.group("hover_thrust", [&] {
-    visitor.number("initial", settings.hover_thrust.initial);
+    visitor.number_or_ask("initial", settings.hover_thrust.initial, settings.asks_hover_thrust);
     visitor.number("least", settings.hover_thrust.least);
     visitor.number("most", settings.hover_thrust.most);
     visitor.number("time_constant_s", settings.hover_thrust.time_constant);

@@ -585,6 +585,23 @@ TEST(ConfigFile, WhatIsWrittenIsReadBackBitForBit) {
   EXPECT_EQ(read.limits.vehicle->thrust_max, 21);
 }
 
+TEST(ConfigFile, AHoverThrustThatIsNotGivenIsAskedFor) {
+  const auto read = [](const char* group) {
+    return parse_config("text", std::string(R"({"format": "swiftlet-config/1")") + group + "}");
+  };
+  EXPECT_TRUE(read("").asks_hover_thrust);
+  EXPECT_TRUE(read(R"(, "hover_thrust": {"most": 0.7})").asks_hover_thrust);
+  EXPECT_TRUE(read(R"(, "hover_thrust": {"initial": null})").asks_hover_thrust);
+  const companion::Settings given = read(R"(, "hover_thrust": {"initial": 0.4})");
+  EXPECT_FALSE(given.asks_hover_thrust);
+  EXPECT_EQ(given.hover_thrust.initial, 0.4);
+  for (const companion::Settings& settings : {given, companion::Settings{}}) {
+    const companion::Settings again = parse_config("text", config_text(settings));
+    EXPECT_EQ(again.asks_hover_thrust, settings.asks_hover_thrust);
+    EXPECT_EQ(again.hover_thrust.initial, settings.hover_thrust.initial);
+  }
+}
+
 TEST(ConfigFile, NumbersOutOfRangeAreRefused) {
   EXPECT_NO_THROW((void)parse_config("text", R"({"format": "swiftlet-config/1"})"));
   const std::pair<const char*, const char*> cases[] = {

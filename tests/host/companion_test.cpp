@@ -86,6 +86,7 @@ class TappedUart final : public hal::Uart {
     const auto taken = bytes.first(std::min(bytes.size(), room));
     written.insert(written.end(), taken.begin(), taken.end());
     if (lost_command != 0 && command_of(bytes) == lost_command) return taken.size();
+    if (loses_questions && is_question(bytes)) return taken.size();
     return line_.write(taken);
   }
   std::size_t read(std::span<std::byte> into) override {
@@ -102,6 +103,7 @@ class TappedUart final : public hal::Uart {
   std::vector<std::byte> injected;
   std::size_t room = 1000;         // of each write
   std::uint16_t lost_command = 0;  // that never arrives
+  bool loses_questions = false;    // for the autopilot's parameters
 
  private:
   static std::uint16_t command_of(std::span<const std::byte> bytes) {
@@ -109,6 +111,12 @@ class TappedUart final : public hal::Uart {
     const auto frame = reader.receive(bytes);
     const auto command = frame ? mavlink::decode<mavlink::CommandLong>(*frame) : std::nullopt;
     return command ? command->command : std::uint16_t{0};
+  }
+
+  static bool is_question(std::span<const std::byte> bytes) {
+    mavlink::Codec reader({255, 190});
+    const auto frame = reader.receive(bytes);
+    return frame && frame->id == mavlink::ParameterRequest::kId;
   }
 
   LockstepUart line_;
@@ -917,6 +925,90 @@ TEST(Companion, AFullLogIsNotedTheFlightGoesOnAndNoOtherOneStarts) {
   EXPECT_TRUE(companion.engage(true));
   EXPECT_FALSE(run_until(10, [](const Telemetry& t) { return t.armed; }));
   EXPECT_EQ(companion.telemetry().reason, Reason::kStorageFull);
+}
+
+// ---- The autopilot's parameters
+
+/// A vehicle that hovers at a fifth of full thrust, and an autopilot that knows it.
+PixhawkSimSettings strong_sim() {
+  PixhawkSimSettings sim = usual_sim();
+  tools::VehicleModel& model = sim.simulation.vehicle;
+  model.thrust_max = model.mass * 9.80665 / 0.2;
+  sim.simulation.hover_thrust = 0.2;
+  return sim;
+}
+
+/// How far [m] the vehicle rises above its reference in the four seconds after the climb, when thrust is our own.
+double overshoot(Rig& rig) {
+  double most = 0;
+  EXPECT_TRUE(rig.companion.engage(true));
+  EXPECT_TRUE(rig.run_until(30, [](const Telemetry& t) { return t.form == SetpointForm::kAttitude && t.sent; }));
+  for (int i = 0; i < 400; ++i) {
+    rig.step();
+    const double height = rig.sim.simulation().truth().position.z();
+    most = std::max(most, height - rig.companion.telemetry().reference.sample.position.z());
+  }
+  return most;
+}
+
+TEST(CompanionParameters, AHoverThrustThatIsAskedForStartsBetter) {
+  Settings configured = usual_settings();
+  configured.asks_hover_thrust = false;
+  Rig guessing(configured, strong_sim());
+  Rig asking(usual_settings(), strong_sim());
+  EXPECT_GT(overshoot(guessing), kTube);
+  EXPECT_LT(overshoot(asking), 0.03);
+  EXPECT_NEAR(asking.companion.telemetry().hover_thrust, 0.2, 0.02);
+  EXPECT_NE(asking.notes().find("hover thrust 0.20 of the autopilot"), std::string::npos) << asking.notes();
+  EXPECT_EQ(guessing.notes().find("of the autopilot"), std::string::npos) << guessing.notes();
+}
+
+TEST(CompanionParameters, AHoverThrustBeyondTheBoundsIsBounded) {
+  PixhawkSimSettings sim = usual_sim();
+  sim.simulation.hover_thrust = 0.95;
+  Rig rig(usual_settings(), sim);
+  rig.run(1);
+  EXPECT_EQ(rig.companion.telemetry().hover_thrust, 0.8);
+}
+
+TEST(CompanionParameters, NobodyWaitsForAnAutopilotThatDoesNotAnswer) {
+  TimeUs armed_at[2]{};
+  for (const bool silent : {false, true}) {
+    Rig rig;
+    rig.uart.loses_questions = silent;
+    ASSERT_TRUE(rig.arm_on_the_ground()) << rig.notes();
+    armed_at[silent] = rig.companion.telemetry().time;
+    EXPECT_EQ(rig.companion.telemetry().hover_thrust, 0.5);
+    const int asked =
+        rig.count_sent([](const mavlink::Frame& frame) { return frame.id == mavlink::ParameterRequest::kId; });
+    EXPECT_LE(asked, silent ? 8 : 2);
+    EXPECT_GE(asked, silent ? 4 : 2);
+  }
+  EXPECT_EQ(armed_at[0], armed_at[1]);
+}
+
+TEST(CompanionParameters, ATimeOfLossThatIsTooShortIsToldBeforeTheFlight) {
+  for (const double seconds : {0.5, 0.9, 1.0}) {
+    Rig rig;
+    rig.autopilot().set_parameter(tools::ParameterIndex::kOffboardLossTime, seconds);
+    rig.run(1);
+    const bool told = rig.notes().find("COM_OF_LOSS_T is 0.50 s") != std::string::npos;
+    EXPECT_EQ(told, seconds < 0.9) << rig.notes();
+    EXPECT_TRUE(rig.arm_on_the_ground());
+  }
+}
+
+TEST(CompanionParameters, AreAskedForAgainWhenTheAutopilotHasRestarted) {
+  PixhawkSimSettings sim = usual_sim();
+  sim.faults = {*tools::parse_fault("restart@2+0.5")};
+  Rig rig(usual_settings(), sim);
+  rig.run(1.9);
+  const auto asked = [&] {
+    return rig.count_sent([](const mavlink::Frame& frame) { return frame.id == mavlink::ParameterRequest::kId; });
+  };
+  EXPECT_EQ(asked(), 2);
+  rig.run(5);
+  EXPECT_EQ(asked(), 4);
 }
 
 // ---- The link's other side

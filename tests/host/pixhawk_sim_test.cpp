@@ -426,6 +426,22 @@ TEST(PixhawkSim, ParametersAreListedReadAndSetWithIntegersAsBytes) {
   EXPECT_EQ(mavlink::text_of(companion.parameters[1].name), "MPC_THR_HOVER");
 }
 
+TEST(PixhawkSim, WhatACompanionReadsByNameIsReal32AndAnUnknownNameIsNotAnswered) {
+  Companion companion;
+  for (const std::string_view text : {"MPC_THR_HOVER", "COM_OF_LOSS_T", "MOT_THST_HOVER"}) {
+    mavlink::ParameterName name{};
+    std::copy(text.begin(), text.end(), name.begin());
+    companion.send(mavlink::ParameterRequest{{1, 1}, name, -1});
+  }
+  companion.run(0.5);
+  ASSERT_EQ(companion.parameters.size(), 2U);
+  for (const mavlink::ParameterValue& parameter : companion.parameters) {
+    EXPECT_EQ(parameter.type, mavlink::kParameterReal32);
+  }
+  EXPECT_EQ(companion.parameters[0].value, 0.5F);
+  EXPECT_EQ(companion.parameters[1].value, 1.0F);
+}
+
 // Determinism and rubbish.
 
 TEST(PixhawkSim, TheSameSeedAndBytesGiveTheSameBytes) {

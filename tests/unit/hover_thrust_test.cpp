@@ -72,6 +72,23 @@ TEST(HoverThrust, LearnsNothingFromNumbersThatAreNoneGapsOrAPause) {
   EXPECT_EQ(estimator.hover(), Real(0.5));
 }
 
+TEST(HoverThrust, BeginsWithWhatItIsToldUntilItHasLearnt) {
+  HoverThrustEstimator estimator({});
+  EXPECT_TRUE(estimator.begin_with(Real(0.3)));
+  EXPECT_EQ(estimator.hover(), Real(0.3));
+  EXPECT_TRUE(estimator.begin_with(Real(0.05)));
+  EXPECT_EQ(estimator.hover(), Real(0.1));
+  EXPECT_TRUE(estimator.begin_with(7));
+  EXPECT_EQ(estimator.hover(), Real(0.8));
+  EXPECT_FALSE(estimator.begin_with(std::numeric_limits<Real>::quiet_NaN()));
+  EXPECT_EQ(estimator.hover(), Real(0.8));
+  for (int i = 0; i < 10; ++i) estimator.update(TimeUs{20'000} * i, 0, 1, Real(0.4));
+  const Real learnt = estimator.hover();
+  EXPECT_LT(learnt, Real(0.8));
+  EXPECT_FALSE(estimator.begin_with(Real(0.3)));
+  EXPECT_EQ(estimator.hover(), learnt);
+}
+
 TEST(HoverThrust, TiltCountsOnlyItsVerticalPart) {
   HoverThrustEstimator estimator({});
   for (int i = 0; i < 1000; ++i) estimator.update(TimeUs{20'000} * i, 0, Real(0.8), Real(0.5));

@@ -19,6 +19,9 @@ class HoverThrustEstimator {
  public:
   explicit HoverThrustEstimator(const HoverThrustSettings& settings);
 
+  /// Begins with `hover` within the bounds, unless something has been learnt; whether it does.
+  bool begin_with(Real hover);
+
   /// One measurement while flying with our thrust.
   ///   climb     [m/s] vertical velocity, up
   ///   cos_tilt  vertical component of body z
@@ -39,6 +42,7 @@ class HoverThrustEstimator {
 
   HoverThrustSettings settings_;
   Real hover_;
+  bool learnt_ = false;
   bool open_ = false;
   TimeUs window_start_ = 0;
   TimeUs last_ = 0;
