@@ -49,7 +49,8 @@ struct TakeoffSettings {
 
 struct PlanningSettings {
   TimeUs latency = 50'000;  ///< worst case from a plan's beginning to its offer; the splice lies that far ahead
-  /// The deadline is 10 ms of linux-x86_64: a plan from motion for which all ways fail would take some hundred.
+  /// The deadline is 4 to 7 ms of linux-x86_64: a plan from motion for which all ways fail would take some hundred, and
+  /// a word in flight shall be answered within 10 ms.
   WorkBudget budget{.deadline = 100'000};
   SearchOptions search;
   CorridorKind corridor = CorridorKind::kExtents;

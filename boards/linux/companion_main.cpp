@@ -34,7 +34,7 @@ namespace {
 using tools::ExitStatus;
 using tools::Failure;
 
-constexpr std::chrono::milliseconds kPlanPatience{5};  // half a step
+static_assert(ThreadWorker::kPatience < FlightLoop::kPeriod);
 constexpr int kLookPeriodMs = 100;
 constexpr int kLooksToLetGo = 40;
 
@@ -299,7 +299,7 @@ void run(const Options& options) {
   std::unique_ptr<KeptLog> log;
   if (!options.log.empty()) log = std::make_unique<KeptLog>(options.log, settings, map.graph);
   if (signing_time) signing_time->keep(settings.signing->time);
-  ThreadWorker worker(planner_memory.spans(), kPlanPatience);
+  ThreadWorker worker(planner_memory.spans());
   const companion::Devices devices{port, worker, log ? &log->log() : nullptr};
   const auto flight = std::make_unique<companion::Companion>(settings, map.graph, memory.memory(), devices);
   FlightLoop loop(*flight, port);

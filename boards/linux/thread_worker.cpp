@@ -19,13 +19,14 @@ void ThreadWorker::start(const companion::PlanJob& job) {
     const std::lock_guard lock(mutex_);
     job_ = job;
     busy_ = true;
+    started_ = std::chrono::steady_clock::now();
   }
   changed_.notify_all();
 }
 
 bool ThreadWorker::done() {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, patience_, [this] { return !busy_; });
+  return changed_.wait_until(lock, started_ + patience_, [this] { return !busy_; });
 }
 
 std::chrono::microseconds ThreadWorker::duration() const {

@@ -11,9 +11,12 @@ namespace swiftlet::board {
 /// Plans in a thread of its own.
 class ThreadWorker final : public companion::PlanWorker {
  public:
-  /// `patience`: how long `done` waits for a plan that is nearly there. The set-point has left by then, and most plans
-  /// are committed in the step that asked for them.
-  ThreadWorker(const PlannerSpans& spans, std::chrono::microseconds patience);
+  /// Of the program `companion`, in steps of 10 ms: the set-point has left by then, so that nearly every plan is
+  /// committed in the step that asked for it, and the step ends well before the next one begins.
+  static constexpr std::chrono::milliseconds kPatience{8};
+
+  /// `patience`: until how long after its start `done` waits for a plan; later it does not wait at all.
+  explicit ThreadWorker(const PlannerSpans& spans, std::chrono::microseconds patience = kPatience);
   ~ThreadWorker();
   ThreadWorker(const ThreadWorker&) = delete;
   ThreadWorker& operator=(const ThreadWorker&) = delete;
@@ -30,6 +33,7 @@ class ThreadWorker final : public companion::PlanWorker {
 
   Planner planner_;
   std::chrono::microseconds patience_;
+  std::chrono::steady_clock::time_point started_;
   std::chrono::microseconds duration_{0};
   companion::PlanJob job_;
   bool busy_ = false;

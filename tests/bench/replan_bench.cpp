@@ -43,7 +43,6 @@ constexpr std::size_t kWords = 300;  // of each kind
 constexpr Real kRadius = Real(0.3);  // [m] of the maps
 constexpr Real kHeight = Real(0.8);  // [m] of a take-off
 constexpr milliseconds kStep{10};
-constexpr milliseconds kPatience{5};  // of the program `companion`
 constexpr double kAhead = 2.5;        // [s] of the box
 constexpr double kFlown = 0.5;        // [s] of a plan before the next word
 constexpr Real kHalfBox = Real(0.1);  // [m]
@@ -211,7 +210,7 @@ class Flight {
   LockstepUart line_;
   std::unique_ptr<companion::CompanionStorage<kBoard>> memory_ =
       std::make_unique<companion::CompanionStorage<kBoard>>();
-  board::ThreadWorker worker_{planner_spans(), kPatience};
+  board::ThreadWorker worker_{planner_spans()};
   companion::Companion companion_;
   const companion::Telemetry& t_ = companion_.telemetry();
   SplitMix64 random_{1};

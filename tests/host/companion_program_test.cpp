@@ -358,6 +358,25 @@ TEST(ThreadWorker, AnswersWithoutPatienceAndEndsWithAPlanUnderWay) {
   worker.start(job);
 }
 
+TEST(ThreadWorker, WaitsForAPlanOnceHoweverOftenItIsAsked) {
+  const std::vector<std::byte> blob = *read_file(map_path(0.3));
+  const auto memory = std::make_unique<PlannerStorage<kSmall>>();
+  companion::PlanJob job = job_in(*BoxGraphView::open(blob));
+  job.request.start.velocity = {0.45, 0.35, 0};  // from there all ways fail, after 5.6 million units of work
+  job.request.start.acceleration = {-0.4, -0.8, 0};
+  constexpr std::chrono::milliseconds kPatience{5};
+  board::ThreadWorker worker(memory->spans(), kPatience);
+  worker.start(job);
+  ASSERT_FALSE(worker.done());
+  Clock::duration quickest = kPatience;
+  for (int i = 0; i < 10; ++i) {
+    const Clock::time_point begin = Clock::now();
+    ASSERT_FALSE(worker.done());
+    quickest = std::min(quickest, Clock::now() - begin);
+  }
+  EXPECT_LT(quickest, kPatience / 2);
+}
+
 // ---- The port
 
 /// A serial adapter: a pseudo-terminal under a path that stays the same when another takes its place.
