@@ -113,8 +113,8 @@ bool Companion::set_limits(Real v_max, Real a_max) {
   return tell({.kind = Word::Kind::kLimits, .a = {v_max, a_max, 0}});
 }
 
-bool Companion::replace_map(const BoxGraphView& map) {
-  if (log_ != nullptr) log_->note_map(map.header().crc32);
+bool Companion::replace_map(const BoxGraphView& map, std::string_view file) {
+  if (log_ != nullptr) log_->note_map(map.header().crc32, file);
   const MarginReport report = margins_of(settings_, static_cast<Real>(map.header().radius));
   if (report.verdict != MarginVerdict::kCovered) {
     journal_.warn("the new map is refused: its radius does not cover the margins");

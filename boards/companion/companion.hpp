@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "companion/flight_log.hpp"
 #include "companion/journal.hpp"
@@ -59,8 +60,8 @@ class Companion {
   bool tell(const Word& word);              ///< any of the above
 
   /// Another map from the next step on: the vehicle stops and plans anew. False, nothing having changed, when its
-  /// radius does not cover the margins. Both maps outlive the companion.
-  bool replace_map(const BoxGraphView& map);
+  /// radius does not cover the margins. Both maps outlive the companion. `file`: where it came from, for the log.
+  bool replace_map(const BoxGraphView& map, std::string_view file = {});
 
   [[nodiscard]] const Telemetry& telemetry() const { return telemetry_; }
   [[nodiscard]] const Settings& settings() const { return settings_; }

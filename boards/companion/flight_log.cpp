@@ -63,6 +63,7 @@ bool FlightLog::begin(std::string_view name, TimeUs now, const LogHeader& header
   writer_.info("ver_sw", header.version);
   writer_.info("ver_hw", header.board);
   writer_.info("swiftlet_map_crc32", header.map_crc32);
+  name_map(header.map_crc32, header.map_file);
   writer_.info("swiftlet_real_bytes", static_cast<std::uint32_t>(sizeof(Real)));
   writer_.info("swiftlet_signed", header.is_signed ? 1U : 0U);
   writer_.info("swiftlet_settings", header.settings);
@@ -122,9 +123,19 @@ void FlightLog::note_word(const Word& word) {
   put(static_cast<double>(word.yaw.value_or(Real(0))));
 }
 
-void FlightLog::note_map(std::uint32_t crc32) {
+void FlightLog::note_map(std::uint32_t crc32, std::string_view file) {
+  name_map(crc32, file);
   put(InputKind::kMap);
   put(crc32);
+}
+
+void FlightLog::name_map(std::uint32_t crc32, std::string_view file) {
+  if (file.empty()) return;
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::array<char, kMapFileKey.size() + 8> key{};
+  auto at = std::copy(kMapFileKey.begin(), kMapFileKey.end(), key.begin());
+  for (unsigned shift = 32; shift > 0; *at++ = kDigits[(crc32 >> shift) & 0xFU]) shift -= 4;
+  writer_.info({key.data(), key.size()}, file);
 }
 
 void FlightLog::write(const FlightEvent& event) {

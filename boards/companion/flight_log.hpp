@@ -18,8 +18,12 @@ struct LogHeader {
   std::string_view board;     ///< for people
   std::string_view settings;  ///< all of the companion's settings as a swiftlet-config/1 text
   std::uint32_t map_crc32 = 0;
-  bool is_signed = false;  ///< whether messages are signed; the key is not kept
+  std::string_view map_file{};  ///< where a replay finds that map; empty: nowhere
+  bool is_signed = false;       ///< whether messages are signed; the key is not kept
 };
+
+/// A map's file is information under this key and the map's CRC-32, eight hexadecimal digits.
+inline constexpr std::string_view kMapFileKey = "swiftlet_map_file_";
 
 /// Records in the stream of inputs; fields follow the kind, little-endian, real numbers as doubles. Words, maps and
 /// writes that come between two steps lie between their records.
@@ -57,8 +61,8 @@ class FlightLog {
   void note_read(std::span<const std::byte> bytes);
   void note_write(std::span<const std::byte> offered, std::size_t taken);
   void note_plan_done();
-  void note_word(const Word& word);  ///< whether it is accepted or not
-  void note_map(std::uint32_t crc32);
+  void note_word(const Word& word);                           ///< whether it is accepted or not
+  void note_map(std::uint32_t crc32, std::string_view file);  ///< as LogHeader::map_file
 
   // For the companion: what it says. At the end of a step, before end_step.
   void write(const FlightEvent& event);
@@ -70,6 +74,7 @@ class FlightLog {
   void write_topic(const Topic& message) {
     writer_.data(Topic::kId, std::as_bytes(std::span(&message, 1)).first(ulog_format_size(Topic::kFormat)));
   }
+  void name_map(std::uint32_t crc32, std::string_view file);
   void write_estimate(const Telemetry& telemetry);
   void write_setpoint(const Telemetry& telemetry);
   void write_status(const Telemetry& telemetry);

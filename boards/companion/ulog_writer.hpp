@@ -18,8 +18,8 @@ consteval std::size_t ulog_format_size(std::string_view format);
 
 /// Writes the ULog format, version 1, which PX4's tools read (https://docs.px4.io/main/en/dev_log/ulog_file_format).
 /// Append only, no heap, never blocks longer than the storage does. In order: begin; the definitions (format, info,
-/// parameter); the subscriptions; then data and texts. Bytes are collected and reach the storage by flush, or
-/// when kBuffer of them wait.
+/// parameter); the subscriptions; then data, texts and further infos. Bytes are collected and reach the storage by
+/// flush, or when kBuffer of them wait.
 ///
 /// When the storage refuses once, the log is over: full() from then on, nothing more is appended, and what was stored
 /// ends within a message at worst, which readers take for a truncated file.

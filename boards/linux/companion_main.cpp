@@ -52,12 +52,13 @@ volatile std::sig_atomic_t interrupted = 0;  // NOLINT: a signal handler can rea
 // ---- Files
 
 struct LoadedMap {
+  std::string file;              // with its whole path
   std::vector<std::byte> bytes;  // in memory: a file that is replaced under way harms nobody
   BoxGraphView graph;
 };
 
 LoadedMap load_map(const std::string& path) {
-  LoadedMap map{tools::unwrap(tools::read_file(path)), {}};
+  LoadedMap map{tools::absolute_path(path), tools::unwrap(tools::read_file(path)), {}};
   const Result<BoxGraphView> graph = BoxGraphView::open(map.bytes);
   if (!graph.ok()) throw Failure{ExitStatus::kBadFile, path + ": " + describe(graph.status())};
   map.graph = *graph;
@@ -121,12 +122,13 @@ std::string board_name() {
 /// The log of one start of the program, written by a thread of its own.
 class KeptLog {
  public:
-  KeptLog(const std::string& folder, const companion::Settings& settings, const BoxGraphView& map)
+  KeptLog(const std::string& folder, const companion::Settings& settings, const LoadedMap& map)
       : files_(folder), storage_(files_), name_(next_log_name(folder)), log_(storage_) {
     const std::string text = tools::config_text(settings);
     const std::string board = board_name();
     const TimeUs now = hal::MonotonicClock().now().count();
-    (void)log_.begin(name_, now, {kVersion, board, text, map.header().crc32, settings.signing.has_value()});
+    const std::uint32_t crc = map.graph.header().crc32;
+    (void)log_.begin(name_, now, {kVersion, board, text, crc, map.file, settings.signing.has_value()});
     if (storage_.drain()) return;
     throw Failure{ExitStatus::kBadFile, folder + "/" + name_ + ": cannot be written: " + std::strerror(errno)};
   }
@@ -208,7 +210,7 @@ class Console {
   void change_map(const std::string& path) {
     try {
       maps_.push_back(load_map(path));
-      loop_.replace_map(maps_.back().graph);
+      loop_.replace_map(maps_.back().graph, maps_.back().file);
     } catch (const Failure& failure) {
       std::printf("! %s\n", failure.line.c_str());
     }
@@ -297,7 +299,7 @@ void run(const Options& options) {
   check_margins_of(map, options.map, settings);
   Port port(port_name);
   std::unique_ptr<KeptLog> log;
-  if (!options.log.empty()) log = std::make_unique<KeptLog>(options.log, settings, map.graph);
+  if (!options.log.empty()) log = std::make_unique<KeptLog>(options.log, settings, map);
   if (signing_time) signing_time->keep(settings.signing->time);
   ThreadWorker worker(planner_memory.spans());
   const companion::Devices devices{port, worker, log ? &log->log() : nullptr};

@@ -61,9 +61,10 @@ void FlightLoop::tell(const companion::Word& word) {
   words_.push_back(word);
 }
 
-void FlightLoop::replace_map(const BoxGraphView& map) {
+void FlightLoop::replace_map(const BoxGraphView& map, const std::string& file) {
   const std::lock_guard lock(mutex_);
   map_ = map;
+  map_file_ = file;
 }
 
 FlightView FlightLoop::look() {
@@ -99,7 +100,7 @@ void FlightLoop::take_words() {
     ++taken;
   }
   words_.erase(words_.begin(), words_.begin() + static_cast<std::ptrdiff_t>(taken));
-  if (map_) (void)companion_.replace_map(*map_);  // its journal says why not
+  if (map_) (void)companion_.replace_map(*map_, map_file_);  // its journal says why not
   map_.reset();
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -46,7 +47,7 @@ class FlightLoop {
   FlightLoop& operator=(const FlightLoop&) = delete;
 
   void tell(const companion::Word& word);
-  void replace_map(const BoxGraphView& map);
+  void replace_map(const BoxGraphView& map, const std::string& file);
   FlightView look();
   void end();
 
@@ -68,6 +69,7 @@ class FlightLoop {
   std::mutex mutex_;
   std::vector<companion::Word> words_;
   std::optional<BoxGraphView> map_;
+  std::string map_file_;
   FlightView view_;
   std::uint32_t noted_ = 0;
   std::atomic<bool> ends_{false};

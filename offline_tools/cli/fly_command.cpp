@@ -17,6 +17,7 @@
 #include "cli/output.hpp"
 #include "cli/vehicle_file.hpp"
 #include "flight/memory_storage.hpp"
+#include "map/file_io.hpp"
 #include "report/flight_report.hpp"
 #include "swiftlet/version.hpp"
 
@@ -238,7 +239,8 @@ class Recorder {
     wanted_ = !options.log.empty() || std::any_of(flight.faults.begin(), flight.faults.end(), fills);
     if (!wanted_) return;
     const std::string settings = config_text(settings_of(flight, map.graph, boxes));
-    (void)log_.begin("flight.ulg", 0, {kVersion, "simulated flight", settings, map.graph.header().crc32});
+    const std::string file = absolute_path(map.path);
+    (void)log_.begin("flight.ulg", 0, {kVersion, "simulated flight", settings, map.graph.header().crc32, file});
   }
 
   companion::FlightLog* log() { return wanted_ ? &log_ : nullptr; }

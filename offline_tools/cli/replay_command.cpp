@@ -35,16 +35,36 @@ std::string version_remark(const Ulog& log) {
   return " (written by version " + version->second + ", this is " + kVersion + ")";
 }
 
+MapFile load_named_map(const std::string& log, const NamedMap& named) {
+  constexpr const char* kElsewhere = "; --map names another place";
+  MapFile map;
+  try {
+    map = load_map(named.file);
+  } catch (const Failure& failure) {
+    throw Failure{failure.status, log + ": its map " + failure.line + kElsewhere};
+  }
+  if (map.graph.header().crc32 == named.crc32) return map;
+  throw Failure{ExitStatus::kBadFile, log + ": its map " + named.file + " is another one by now, with the CRC-32 " +
+                                          crc32_text(map.graph) + kElsewhere};
+}
+
+std::vector<MapFile> load_maps(const ReplayOptions& options, const Ulog& log) {
+  std::vector<MapFile> maps;
+  for (const std::string& path : options.maps) maps.push_back(load_map(path));
+  if (!maps.empty()) return maps;
+  for (const NamedMap& named : unwrap(named_maps(log))) maps.push_back(load_named_map(options.log, named));
+  return maps;
+}
+
 ExitStatus run_replay(const ReplayOptions& options) {
   const Ulog log = unwrap(read_ulog(options.log));
-  std::vector<MapFile> files;
-  std::vector<BoxGraphView> maps;
-  std::transform(options.maps.begin(), options.maps.end(), std::back_inserter(files), load_map);
-  std::transform(files.begin(), files.end(), std::back_inserter(maps), [](const MapFile& file) { return file.graph; });
   const auto settings = log.texts.find("swiftlet_settings");
   if (settings == log.texts.end()) {
     throw Failure{ExitStatus::kBadFile, options.log + ": holds no settings: it was not written by a companion"};
   }
+  const std::vector<MapFile> files = load_maps(options, log);
+  std::vector<BoxGraphView> maps;
+  std::transform(files.begin(), files.end(), std::back_inserter(maps), [](const MapFile& file) { return file.graph; });
   const ReplayWorld world{maps, parse_config(options.log + ", its settings", settings->second),
                           companion_storage.memory(), planner_storage.spans()};
   const ReplayReport report = unwrap(replay(log, world));
@@ -65,8 +85,9 @@ void add_replay_command(CLI::App& app, Command& chosen) {
   const auto options = std::make_shared<ReplayOptions>();
   command->add_option("log", options->log, "Flight log (.ulg) of 'companion --log' or 'swiftlet fly --log'")
       ->required();
-  command->add_option("--map", options->maps, "Map that it was flown in; further ones that it was given under way")
-      ->required()
+  command
+      ->add_option("--map", options->maps,
+                   "Map that it was flown in, and further ones that it was given under way, in place of those it names")
       ->allow_extra_args(false);
   command->callback([options, &chosen] { chosen = [options] { return run_replay(*options); }; });
 }

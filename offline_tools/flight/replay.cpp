@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -69,6 +70,8 @@ std::string crc_text(std::uint32_t crc) {
   std::snprintf(text.data(), text.size(), "%08x", crc);
   return text.data();
 }
+
+std::string map_key(std::uint32_t crc) { return std::string(companion::kMapFileKey) + crc_text(crc); }
 
 std::uint32_t number_of(const Ulog& log, const std::string& name) {
   const auto found = log.numbers.find(name);
@@ -218,6 +221,21 @@ void compare_told(const Ulog& log, const Ulog& copy, ReplayReport& report) {
 }
 
 }  // namespace
+
+Expected<std::vector<NamedMap>> named_maps(const Ulog& log) {
+  const std::uint32_t first = number_of(log, "swiftlet_map_crc32");
+  std::vector<NamedMap> maps{{first, text_of(log, map_key(first))}};
+  if (maps[0].file.empty()) {
+    return bad_file(log.path + ": does not say where the map with the CRC-32 " + crc_text(first) +
+                    " is: name it with --map");
+  }
+  for (const auto& [key, file] : log.texts) {
+    if (!key.starts_with(companion::kMapFileKey) || key == map_key(first)) continue;
+    const auto crc = std::strtoul(key.c_str() + companion::kMapFileKey.size(), nullptr, 16);
+    maps.push_back({static_cast<std::uint32_t>(crc), file});
+  }
+  return maps;
+}
 
 Expected<ReplayReport> replay(const Ulog& log, const ReplayWorld& world) {
   const auto steps = flight_inputs(log);

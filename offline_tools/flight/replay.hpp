@@ -1,13 +1,25 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "companion/companion.hpp"
 #include "flight/flight_inputs.hpp"
 #include "flight/ulog_reader.hpp"
 
 namespace swiftlet::tools {
+
+/// A map of a flight, and where it was then.
+struct NamedMap {
+  std::uint32_t crc32 = 0;
+  std::string file;
+};
+
+/// The maps that the log names, the one that the flight began in first. Error: exit status 3 and a line, when it does
+/// not name that one.
+Expected<std::vector<NamedMap>> named_maps(const Ulog& log);
 
 /// What a replay needs beside the log.
 struct ReplayWorld {

@@ -49,6 +49,12 @@ Expected<std::vector<std::byte>> read_file(const std::string& path) {
   return bytes;
 }
 
+std::string absolute_path(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::absolute(path, error);
+  return error ? path : whole.string();
+}
+
 Expected<void> write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);

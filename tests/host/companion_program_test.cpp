@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,14 +48,14 @@ std::string write_file(const std::string& name, std::string_view bytes) {
   return path;
 }
 
-std::string map_path(double radius) {
+std::string map_path(double radius, const std::string& name = "room.swm") {
   const std::string bt = to_bt(make_classroom(1).grid);
   MapBuildOptions options;
   options.radius = radius;
   const std::vector<std::byte> blob = build_map(*parse_octree("room.bt", std::as_bytes(std::span(bt))), "room.bt",
                                                 options, [](std::string_view, double) {})
                                           ->blob;
-  return write_file("room.swm", {reinterpret_cast<const char*>(blob.data()), blob.size()});
+  return write_file(name, {reinterpret_cast<const char*>(blob.data()), blob.size()});
 }
 
 const char* const kConfig = R"({"format": "swiftlet-config/1", "start_m": [0.48, 0.48, 0], "land_at_end": true,
@@ -172,17 +173,26 @@ double jitter(const std::vector<double>& gaps, double share) {
   return off.empty() ? 0 : off[static_cast<std::size_t>(share * static_cast<double>(off.size() - 1))];
 }
 
-/// What the program logged and what a companion does that is given the same.
-void expect_replays_equal(const std::string& log_path, const std::string& map) {
+/// What the program logged and what a companion does that is given the same, in the maps that the log names.
+void expect_replays_equal(const std::string& log_path, const std::vector<std::string>& maps) {
   static PlannerStorage<kBoard> planner;
   static companion::CompanionStorage<kBoard> memory;
   const auto log = read_ulog(log_path);
   ASSERT_TRUE(log) << log.error().message;
   EXPECT_FALSE(log->truncated);
-  const std::vector<std::byte> blob = *read_file(map);
-  const std::array maps{*BoxGraphView::open(blob)};
+  const auto named = named_maps(*log);
+  ASSERT_TRUE(named) << named.error().message;
+  std::list<std::vector<std::byte>> blobs;
+  std::vector<BoxGraphView> views;
+  for (std::size_t i = 0; i < named->size(); ++i) {
+    EXPECT_EQ((*named)[i].file, maps.at(i));
+    blobs.push_back(*read_file((*named)[i].file));
+    views.push_back(*BoxGraphView::open(blobs.back()));
+    EXPECT_EQ((*named)[i].crc32, views.back().header().crc32);
+  }
+  ASSERT_EQ(views.size(), maps.size());
   const auto report = replay(
-      *log, {maps, parse_config("the log's", log->texts.at("swiftlet_settings")), memory.memory(), planner.spans()});
+      *log, {views, parse_config("the log's", log->texts.at("swiftlet_settings")), memory.memory(), planner.spans()});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_FALSE(report->difference) << report->difference->time << ": " << report->difference->what;
   EXPECT_GT(report->steps, 1000U);
@@ -200,9 +210,10 @@ TEST(CompanionProgram, FliesOverAPseudoTerminalInRealTime) {
   const std::string logs = testing::TempDir() + "companion_" + std::to_string(::getpid()) + "_logs";
   std::filesystem::create_directory(logs);
   for (const char* other : {"/flight_0041.ulg", "/flight_.ulg", "/notes.txt"}) std::ofstream(logs + other) << "kept";
-  Program program({"--map", map, "--port", far_end.line.peer_path() + ":921600", "--config",
+  const std::string other = map_path(0.29, "other.swm");
+  Program program({"--map", std::filesystem::relative(map), "--port", far_end.line.peer_path() + ":921600", "--config",
                    write_file("config.json", kConfig), "--log", logs});
-  program.say("engage\ngoal 2 2.6 1\n");
+  program.say("map " + other + "\nengage\ngoal 2 2.6 1\n");
   const auto& autopilot = far_end.sim.simulation().autopilot();
   const auto& truth = far_end.sim.simulation().truth();
   ASSERT_TRUE(far_end.run_until(15, [&] { return autopilot.armed(); }));
@@ -222,7 +233,8 @@ TEST(CompanionProgram, FliesOverAPseudoTerminalInRealTime) {
   std::printf("line: %.0f B/s to the companion, %.0f B/s from it\n%s",
               static_cast<double>(far_end.sent_bytes) / seconds, static_cast<double>(far_end.received_bytes) / seconds,
               program.text.c_str());
-  expect_replays_equal(logs + "/flight_0042.ulg", map);
+  const std::string here = std::filesystem::current_path().string() + "/";
+  expect_replays_equal(logs + "/flight_0042.ulg", {here + std::filesystem::relative(map).string(), other});
   EXPECT_EQ(std::filesystem::file_size(logs + "/flight_0041.ulg"), 4U);
   std::filesystem::remove_all(logs);
 }

@@ -35,6 +35,7 @@ class FlightLog(unittest.TestCase):
         self.assertEqual(info["ver_sw"], "1.2.3")
         self.assertEqual(info["swiftlet_settings"], '{"a": 1}')
         self.assertEqual(info["swiftlet_map_crc32"], 42)
+        self.assertEqual(info["swiftlet_map_file_0000002b"], "/maps/other.swm")  # given under way
 
     def test_estimate_is_north_east_down(self):
         position = self.topic("vehicle_local_position")

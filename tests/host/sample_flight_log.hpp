@@ -19,7 +19,7 @@ inline void write_sample(FlightLog& log, std::string_view name) {
   for (int i = 0; i < kSampleSteps; ++i) {
     const TimeUs now = kSampleStart + 10'000 * TimeUs{i};
     const auto x = static_cast<Real>(i);
-    if (i == 31) log.note_map(43);
+    if (i == 31) log.note_map(43, "/maps/other.swm");
     log.begin_step(now);
     const std::array<std::byte, 300> received{static_cast<std::byte>(i)};
     if (i % 10 == 3) log.note_read({});

@@ -226,8 +226,28 @@ TEST_F(FlyTest, AnotherByteOrSettingIsADifferenceAndAnotherMapIsRefused) {
   write_text(path("flight.ulg"), log);
   ASSERT_EQ(swiftlet({"map", "build", path("room.bt"), "-o", path("room.swm"), "--radius", "0.29"}).status, 0);
   EXPECT_TRUE(refused(replay(), 3, {"flight.ulg", "map with the CRC-32"}));
-  EXPECT_TRUE(refused(swiftlet({"replay", path("flight.ulg")}), 2, {"--map"}));
   EXPECT_TRUE(refused(swiftlet({"replay", path("none.ulg"), "--map", path("room.swm")}), 3, {"none.ulg"}));
+}
+
+TEST_F(FlyTest, ALogKnowsWhereItsMapIs) {
+  Words words = flight({"--log", path("flight.ulg"), "--fault", "map-replaced@18"});
+  words[1] = std::filesystem::relative(words[1]).string();
+  ASSERT_EQ(swiftlet(words).status, 0);
+  const Words alone{"replay", path("flight.ulg")};
+  EXPECT_TRUE(refused(swiftlet(alone), 0, {"replays equal"}));
+  std::filesystem::rename(path("room.swm"), path("moved.swm"));
+  EXPECT_TRUE(refused(swiftlet(alone), 3, {"flight.ulg", "/room.swm", "cannot be read", "--map"}));
+  EXPECT_TRUE(refused(swiftlet({"replay", path("flight.ulg"), "--map", path("moved.swm")}), 0, {"replays equal"}));
+  ASSERT_EQ(swiftlet({"map", "build", path("room.bt"), "-o", path("room.swm"), "--radius", "0.29"}).status, 0);
+  EXPECT_TRUE(refused(swiftlet(alone), 3, {"flight.ulg", "/room.swm", "CRC-32", "--map"}));
+  write_text(path("room.swm"), "no map");
+  EXPECT_TRUE(refused(swiftlet(alone), 3, {"flight.ulg", "/room.swm", "--map"}));
+  std::string log = read_text(path("flight.ulg"));
+  const std::size_t key = log.find("swiftlet_map_file_");
+  ASSERT_NE(key, std::string::npos);
+  log[key] = 'S';
+  write_text(path("flight.ulg"), log);
+  EXPECT_TRUE(refused(swiftlet(alone), 3, {"flight.ulg", "does not say where", "--map"}));
 }
 
 TEST_F(FlyTest, WithoutRoomToLogNoFlightStarts) {

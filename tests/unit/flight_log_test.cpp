@@ -14,7 +14,8 @@ using namespace swiftlet;             // NOLINT(google-build-using-namespace)
 using namespace swiftlet::companion;  // NOLINT(google-build-using-namespace)
 using swiftlet::hal::FakeStorage;
 
-constexpr LogHeader kHeader{.version = "1", .board = "test", .settings = "{}", .map_crc32 = 0x1234};
+constexpr LogHeader kHeader{
+    .version = "1", .board = "test", .settings = "{}", .map_crc32 = 0x1234, .map_file = "/a.swm"};
 
 /// The bytes of a log in a storage.
 struct Stored {
@@ -98,6 +99,25 @@ TEST(FlightLog, BeginsAsTheFormatSays) {
   EXPECT_EQ(find_messages(bytes, 'A').count, std::size_t{topic::kCount});
   EXPECT_TRUE(find_messages(bytes, 'A').whole);
   EXPECT_EQ(bytes.size, log.bytes());
+}
+
+TEST(FlightLog, NamesTheFileOfEachMap) {
+  FakeStorage storage;
+  FlightLog log(storage);
+  ASSERT_TRUE(log.begin("a.ulg", 0, kHeader));
+  const auto holds = [&storage](std::string_view text) {
+    const Stored& bytes = stored(storage);
+    const auto begin = reinterpret_cast<const char*>(bytes.bytes.data());
+    return std::string_view(begin, bytes.size).find(text) != std::string_view::npos;
+  };
+  EXPECT_TRUE(holds("char[6] swiftlet_map_file_00001234/a.swm"));
+  const std::size_t before = find_messages(stored(storage), 'I').count;
+  log.note_map(0xFEDCBA98, "/maps/b.swm");
+  log.note_map(0x76543210, {});  // of no file
+  fly(log, 1);
+  EXPECT_TRUE(holds("char[11] swiftlet_map_file_fedcba98/maps/b.swm"));
+  EXPECT_EQ(find_messages(stored(storage), 'I').count, before + 1);
+  EXPECT_TRUE(find_messages(stored(storage), 'D').whole);
 }
 
 TEST(FlightLog, IsWholeAfterEveryStep) {
