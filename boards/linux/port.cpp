@@ -39,6 +39,7 @@ std::uint32_t whole_number(const std::string& text, std::uint32_t most) {
 
 PortName parse_port(const std::string& text) {
   const std::vector<std::string> pieces = split_at_colons(text);
+  if (pieces[0].empty()) throw Failure{ExitStatus::kUsage, "--port: '" + text + "' names no device"};
   PortName name;
   if (pieces[0] != "udp") {
     const std::string& last = pieces.back();

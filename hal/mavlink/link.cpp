@@ -27,6 +27,7 @@ constexpr microseconds kProgress = seconds(3);
 constexpr std::uint8_t kMaxTransmissions = 4;
 constexpr microseconds kRepetitionWindow = seconds(3);
 
+constexpr auto kLatestStamp = static_cast<std::uint64_t>(std::chrono::duration_cast<microseconds>(kLatestTime).count());
 constexpr float kLargestYaw = 1e6F;  // [rad] of a goal; there is no turn in the digits of more
 
 constexpr std::array kDefaultRates{
@@ -214,9 +215,10 @@ void Link::take(const Odometry& message) {
   const std::optional<Quaternion> attitude = as_rotation(message.attitude.value);
   const bool velocity_in_body = message.child_frame == kFrameBodyFrd || message.child_frame == kFrameBodyNed;
   const bool known_frames = velocity_in_body || message.child_frame == kFrameLocalNed;
-  if (!attitude.has_value() || message.frame != kFrameLocalNed || !known_frames) {
+  const bool usable = attitude.has_value() && message.time_us <= kLatestStamp;
+  if (!usable || message.frame != kFrameLocalNed || !known_frames) {
     ++counters_.refused_values;
-    if (!attitude.has_value()) ++local_.refused_count;
+    if (!usable) ++local_.refused_count;
     return;
   }
   const NedVector velocity{velocity_in_body ? Vector3(*attitude * message.velocity_child) : message.velocity_child};

@@ -15,7 +15,8 @@ constexpr std::uint32_t kMaxContradictions = 3;
 
 void TimeSync::add(nanoseconds sent, nanoseconds remote, nanoseconds received) {
   const nanoseconds round_trip = received - sent;
-  if (round_trip < nanoseconds(0) || round_trip > kLongestRoundTrip) {
+  const bool believable = remote >= nanoseconds(0) && remote <= kLatestTime;
+  if (!believable || round_trip < nanoseconds(0) || round_trip > kLongestRoundTrip) {
     ++rejected_;
     return;
   }

@@ -272,6 +272,8 @@ TEST(CompanionProgram, RefusesBadInputWithOneLineAndTheContractsStatus) {
   } cases[] = {
       {{"--port", "/dev/null"}, 2, "--map is required"},
       {{"--map", map, "--port", "/dev/null", "--fast"}, 2, "--fast"},
+      {{"--map", map, "--port", ""}, 2, "--port"},
+      {{"--map", map, "--port", ":57600"}, 2, "--port"},
       {{"--map", map, "--port", "udp:99999"}, 2, "'99999' is not a number"},
       {{"--map", map, "--port", "/dev/null:0"}, 2, "'0' is not a number"},
       {{"--map", map, "--port", "/dev/null:fast", "--config", write_file("config.json", kConfig)},

@@ -678,6 +678,54 @@ TEST(TimeSync, TakesTheShortestRoundTripAndRejectsWhatContradictsIt) {
   EXPECT_FALSE(sync.synchronised());
 }
 
+TEST(LinkTime, NoStampIsBeyondWhatCanBeCalculatedWith) {
+  constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
+  Bench& bench = fresh_bench(without_rates());
+  bench.run(20ms);
+  bench.say_heartbeat(0);
+  Odometry odometry;
+  odometry.time_us = 1'000'000;
+  bench.say(odometry);
+  for (const std::uint64_t time : {kLargest, kLargest / 2 + 1, kLargest / 2, kLargest / 2 - 500'000, kLargest / 4}) {
+    odometry.time_us = time;
+    bench.say(odometry);
+  }
+  EXPECT_EQ(bench.link.counters().refused_values, 5);
+  EXPECT_EQ(bench.link.local_vehicle().refused_count, 5);
+  EXPECT_EQ(bench.link.local_vehicle().position_count, 1);
+  odometry.time_us = 1'020'000;
+  bench.say(odometry);
+  EXPECT_EQ(bench.link.local_vehicle().position_count, 2);
+  EXPECT_EQ(bench.link.autopilot().restarts, 0);
+
+  constexpr std::int64_t kLatest = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t theirs : {kLatest, -kLatest - 1, kLatest, -kLatest, kLatest / 2 + 2, std::int64_t{-1}}) {
+    bench.run(200ms, 200ms);
+    const auto request = bench.hear_last<TimeSyncMessage>();
+    ASSERT_TRUE(request.has_value());
+    bench.say(TimeSyncMessage{.tc1 = theirs, .ts1 = -kLatest - 1});  // none of ours
+    bench.say(TimeSyncMessage{.tc1 = theirs, .ts1 = request->ts1});
+    bench.say(LocalPositionNed{.time_boot_ms = 0xFFFFFFFF});
+  }
+  EXPECT_EQ(bench.link.time_sync().rejected(), 6);
+  bench.say(TimeSyncMessage{.tc1 = 0, .ts1 = -kLatest - 1});
+  EXPECT_EQ(bench.hear_last<TimeSyncMessage>()->ts1, -kLatest - 1);
+}
+
+TEST(TimeSync, MeetsTheLatestClockThatItBelieves) {
+  TimeSync sync;
+  for (int i = 0; i < 4; ++i) sync.add(1s, kLatestTime, 1s);
+  ASSERT_TRUE(sync.synchronised());
+  for (int i = 0; i < 3; ++i) sync.add(1s, 0s, 1s);
+  EXPECT_EQ(sync.restarts(), 1);
+  for (int i = 0; i < 6; ++i) sync.add(1s, kLatestTime, 1s);
+  ASSERT_TRUE(sync.synchronised());
+  EXPECT_EQ(sync.offset(), kLatestTime - 1s);
+  const auto latest = std::chrono::duration_cast<std::chrono::microseconds>(kLatestTime);
+  EXPECT_EQ(sync.to_ours(latest), std::chrono::microseconds(1s));
+  EXPECT_EQ(sync.to_ours(0s), std::chrono::microseconds(1s) - latest);
+}
+
 // ---- People
 
 ParameterName name_of_parameter(const char* text) {

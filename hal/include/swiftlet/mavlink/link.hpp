@@ -71,7 +71,7 @@ struct VehicleState {
   Vector3 position = Vector3::Zero();  ///< [m]
   Vector3 velocity = Vector3::Zero();  ///< [m/s]
   std::uint8_t reset_counter = 0;      ///< ODOMETRY: jumps of the estimate.
-  std::uint32_t refused_count = 0;     ///< Estimates with numbers that are not finite or no rotation.
+  std::uint32_t refused_count = 0;     ///< Estimates with numbers that are not finite, no rotation or no time.
 
   bool has_attitude = false;
   std::chrono::microseconds attitude_received_at{0};
@@ -156,7 +156,7 @@ struct LinkCounters {
   std::uint32_t lost_frames = 0;     ///< Gaps in the autopilot's numbering.
   std::uint32_t foreign = 0;         ///< Of others, or for others.
   std::uint32_t unused = 0;          ///< Of the autopilot, of a kind that we do not use.
-  std::uint32_t refused_values = 0;  ///< Not finite, no rotation, or in a frame that we do not know.
+  std::uint32_t refused_values = 0;  ///< Not finite, no rotation, no time, or in a frame that we do not know.
   std::uint32_t refused_setpoints = 0;
   std::uint32_t unauthorised = 0;    ///< Unsigned, where a signature is asked for.
   std::uint32_t dropped_events = 0;  ///< Texts, commands, outcomes or parameters that nobody fetched in time.

@@ -6,6 +6,9 @@
 
 namespace swiftlet::mavlink {
 
+/// No time that others stamp is believed beyond: 146 years after 1970. What is calculated with such times fits 64 bits.
+inline constexpr std::chrono::nanoseconds kLatestTime{std::int64_t{1} << 62U};
+
 /// The difference between two clocks from round trips: we ask at `sent`, the other side stamps `remote`, the answer is
 /// here at `received`. Whatever the delays are, the true offset lies within half a round trip of the middle, so the
 /// shortest of the latest round trips is the best, and two that contradict each other show a clock that was set.
