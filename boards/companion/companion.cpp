@@ -414,7 +414,7 @@ void Companion::plan(const Decision& decision) {
   if (replanner_.under_way()) end_plan();
   goal = mission_.goal();
   if (!wants_plan_ || goal == nullptr || replanner_.under_way()) return;
-  if (replanner_.begin(*goal, plan_wanted_since_, store_, now_)) end_plan();
+  if (replanner_.begin(*goal, plan_wanted_since_, mission_.reach(replanner_.map()), store_, now_)) end_plan();
 }
 
 void Companion::end_plan() {

@@ -60,6 +60,9 @@ bool Mission::accepts(const Vector3& position, const BoxGraphView& map) {
     journal_.warn(line << " refused: landing");
   } else if (!map.locate(position)) {
     journal_.warn(line << " refused: goal_not_free");
+  } else if (const Reach within = reach(map); !within.covers(position)) {
+    journal_.warn(line << " refused: " << within.distance_to(position)
+                       << " m from the start, the heading's margin allows " << within.distance << " m");
   } else {
     return true;
   }
@@ -86,6 +89,10 @@ std::uint32_t Mission::set_goal(const Vector3& position, std::optional<Real> yaw
   return add_goal(position, yaw, map);
 }
 
+Reach Mission::reach(const BoxGraphView& map) const {
+  return {alignment_.place(), margins_of(settings_, static_cast<Real>(map.header().radius), tie_).reach};
+}
+
 // ---- What the autopilot says
 
 /// Whether the vehicle stands where it is known to stand.
@@ -103,8 +110,7 @@ void Mission::note_arming(TimeUs now) {
   if (!autopilot.heard) return;
   if (armed_ && !autopilot.armed) {
     const bool has_flown = phase_ == Phase::kMission || phase_ == Phase::kLanding || phase_ == Phase::kDone;
-    const mavlink::VehicleState vehicle = link_.vehicle();
-    if (has_flown && alignment_.aligned()) alignment_.stand_at(vehicle.position, mavlink::yaw_of(vehicle.attitude));
+    if (has_flown && alignment_.aligned()) stand_where_landed();
     alignment_.forget();
   }
   const bool in_our_mode = autopilot.mode == mavlink::Mode::kOffboard;
@@ -119,6 +125,15 @@ void Mission::note_arming(TimeUs now) {
   const bool says_in_air = knows_landed_state() && autopilot.landed_state != mavlink::LandedState::kOnGround;
   lifted_ = armed_ && !alignment_.aligned() && (lifted_ || (says_in_air && !by_us));
   if (armed_ && may_align()) (void)alignment_.step(now);
+}
+
+/// What this flight's heading was off is part of where the next one starts, and of its heading.
+void Mission::stand_where_landed() {
+  const mavlink::VehicleState vehicle = link_.vehicle();
+  const Real flown = (vehicle.position - alignment_.place()).head<2>().norm();
+  tie_.error += static_cast<Real>(tie_.count) * settings_.margins.heading_accuracy * flown;
+  ++tie_.count;
+  alignment_.stand_at(vehicle.position, mavlink::yaw_of(vehicle.attitude));
 }
 
 void Mission::shift_clock(TimeUs jump) {
@@ -318,7 +333,7 @@ void Mission::plan_ended(const PlanEnd& end) {
     return;
   }
   const bool has_plan = end.status == Status::kOk || end.status == Status::kFallback;
-  const bool no_use = has_plan && (end.offer == OfferResult::kTooLong || end.hopeless);
+  const bool no_use = has_plan && (end.offer == OfferResult::kTooLong || end.hopeless || end.too_far);
   const Goal* goal = goals_.first();
   const bool is_first = goal != nullptr && goal->id == end.goal;
   if (!is_first || (has_plan && !no_use)) return;  // planned anew
@@ -327,7 +342,10 @@ void Mission::plan_ended(const PlanEnd& end) {
     return;
   }
   Line line("goal ");
-  journal_.warn(line << goal->position << " given up: " << (no_use ? describe(end.offer) : describe(end.status)));
+  const char* why = !no_use       ? describe(end.status)
+                    : end.too_far ? "its way leads farther from the start than the heading's margin allows"
+                                  : describe(end.offer);
+  journal_.warn(line << goal->position << " given up: " << why);
   goals_.drop_first();
 }
 

@@ -60,6 +60,8 @@ class Mission {
   /// The yaw to be held; nothing in motion.
   [[nodiscard]] std::optional<Real> yaw(bool at_rest) const;
   void plan_ended(const PlanEnd& end);
+  /// How far the margins let it go in a map.
+  [[nodiscard]] Reach reach(const BoxGraphView& map) const;
 
   [[nodiscard]] bool aligned() const { return alignment_.aligned(); }
   /// Whether the goal of that id waits or is flown to.
@@ -74,6 +76,7 @@ class Mission {
   [[nodiscard]] bool knows_landed_state() const;
   bool accepts(const Vector3& position, const BoxGraphView& map);
   void note_arming(TimeUs now);
+  void stand_where_landed();
   void note_control(const MissionView& view, TrajectoryStore& store);
   void enter_control(const MissionView& view, TrajectoryStore& store);
   void ask_for_control(const MissionView& view);
@@ -90,6 +93,7 @@ class Mission {
   Journal& journal_;
   Requests requests_;
   FrameAlignment alignment_;
+  Tie tie_;
   Goals goals_;
 
   Phase phase_ = Phase::kGround;

@@ -138,12 +138,13 @@ PlanRequest Replanner::request_for(const Goal& goal, const State& start) const {
   return request;
 }
 
-bool Replanner::begin(const Goal& goal, TimeUs trigger, TrajectoryStore& store, TimeUs now) {
+bool Replanner::begin(const Goal& goal, TimeUs trigger, const Reach& reach, TrajectoryStore& store, TimeUs now) {
   const std::uint32_t doublings = store.at_rest(now) ? std::min(late_in_row_, kMostDoublings) : 0;
   splice_ = store.begin(now, settings_.planning.latency << doublings);
   if (splice_.id == 0) return false;
   bring_up_to_date();
   goal_ = goal;
+  reach_ = reach;
   trigger_ = trigger;
   planned_limits_ = limits_;
   planned_map_ = map_crc();
@@ -183,7 +184,8 @@ std::optional<PlanEnd> Replanner::poll(bool wanted, TrajectoryStore& store, Time
   end.goal = goal_.id;
   end.from_rest = splice_.state.velocity.squaredNorm() == 0 && splice_.state.acceleration.squaredNorm() == 0;
   if (!is_certified(plan)) return end;
-  end.offer = wanted ? offer(plan, store, now) : OfferResult::kSuperseded;
+  end.too_far = planned_map_ == map_crc() && !reach_.covers(plan.segments);
+  end.offer = wanted && !end.too_far ? offer(plan, store, now) : OfferResult::kSuperseded;
   end.committed = end.offer == OfferResult::kAccepted;
   const bool is_late = end.offer == OfferResult::kLate;
   late_ += is_late ? 1 : 0;

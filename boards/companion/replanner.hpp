@@ -5,6 +5,7 @@
 
 #include "companion/goals.hpp"
 #include "companion/plan_worker.hpp"
+#include "companion/reach.hpp"
 #include "companion/settings.hpp"
 #include "companion/storage.hpp"
 #include "companion/telemetry.hpp"
@@ -19,6 +20,7 @@ struct PlanEnd {
   OfferResult offer = OfferResult::kNotCertified;  ///< the store's; means something with a certified plan only
   bool committed = false;
   bool hopeless = false;  ///< late although it was given all the time there is
+  bool too_far = false;   ///< it leads beyond the margins' reach
   std::uint32_t goal = 0;
   bool from_rest = true;
 };
@@ -47,8 +49,9 @@ class Replanner {
   [[nodiscard]] bool way_blocked(const Vector3& from, const Vector3& to) const;
 
   [[nodiscard]] bool under_way() const { return under_way_; }
-  /// Begins a plan to `goal`, wanted since `trigger`; false when the reference cannot be spliced yet.
-  bool begin(const Goal& goal, TimeUs trigger, TrajectoryStore& store, TimeUs now);
+  /// Begins a plan to `goal`, wanted since `trigger`, that is taken within `reach` only; false when the reference
+  /// cannot be spliced yet.
+  bool begin(const Goal& goal, TimeUs trigger, const Reach& reach, TrajectoryStore& store, TimeUs now);
   /// Once a step while one is under way; an answer when it is done. `wanted`: it is still what it was begun for.
   std::optional<PlanEnd> poll(bool wanted, TrajectoryStore& store, TimeUs now);
   [[nodiscard]] std::uint32_t goal_under_way() const { return goal_.id; }
@@ -84,6 +87,7 @@ class Replanner {
 
   bool under_way_ = false;
   Goal goal_;
+  Reach reach_;
   Splice splice_;
   FlightLimits planned_limits_;
   std::uint32_t planned_map_ = 0;

@@ -31,6 +31,7 @@ const char* flight_fault(const Settings& settings) {
                            margins.tubes.attitude, margins.tubes.rates}) {
     if (!is_share(share)) return "margins: not in 0 to 100 m";
   }
+  if (!(margins.heading_accuracy >= 0 && margins.heading_accuracy <= 1)) return "heading accuracy: not in 0 to 1 rad";
   const Real weight = settings.planning.search.weight;
   if (!(weight >= 1 && weight <= kMaxSearchWeight)) return "search weight: not in 1 to 1e6";
   for (const TimeUs time : {settings.planning.latency, settings.delays.position, settings.delays.attitude,
@@ -110,12 +111,13 @@ const char* find_fault(const Settings& settings) {
   return nullptr;
 }
 
-MarginReport margins_of(const Settings& settings, Real map_radius) {
+MarginReport margins_of(const Settings& settings, Real map_radius, const Tie& tie) {
   MarginLedger ledger;
   ledger.vehicle_radius = settings.margins.vehicle_radius;
-  ledger.map_error = settings.margins.map_error;
+  ledger.map_error = settings.margins.map_error + tie.error;
   ledger.tracking_tube = tube_of(settings.margins.tubes, settings.form);
   ledger.numeric_margin = settings.margins.numeric_margin;
+  ledger.heading_accuracy = static_cast<Real>(tie.count) * settings.margins.heading_accuracy;
   return check_margins(ledger, map_radius);
 }
 

@@ -24,6 +24,13 @@ struct Margins {
   Real map_error = Real(0.05);        ///< [m] scan, registration, alignment
   Real numeric_margin = Real(0.001);  ///< [m] the certificate's tolerance
   TrackingTubes tubes;                ///< [m] by the set-point form in use
+  Real heading_accuracy = 0;          ///< [rad] of the autopilot while the frames are tied, at worst; 0: not budgeted
+};
+
+/// What the frames' tie is worth after flights that began where the one before had ended.
+struct Tie {
+  std::uint32_t count = 1;  ///< ties, each with an error of its own
+  Real error = 0;           ///< [m] of the place, by the headings before
 };
 
 /// How long a set-point sent now takes until the vehicle answers it, beyond the way over the link, which is measured
@@ -89,6 +96,6 @@ struct Settings {
 const char* find_fault(const Settings& settings);
 
 /// The margin ledger for the form in use against the radius [m] that a map was inflated by.
-MarginReport margins_of(const Settings& settings, Real map_radius);
+MarginReport margins_of(const Settings& settings, Real map_radius, const Tie& tie = {});
 
 }  // namespace swiftlet::companion

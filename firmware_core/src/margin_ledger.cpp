@@ -24,13 +24,16 @@ Real tube_of(const TrackingTubes& tubes, SetpointForm form) {
 MarginReport check_margins(const MarginLedger& ledger, Real map_radius) {
   MarginReport report;
   if (!is_usable(ledger.vehicle_radius) || !is_usable(ledger.map_error) || !is_usable(ledger.tracking_tube) ||
-      !is_usable(ledger.numeric_margin) || !is_usable(map_radius)) {
+      !is_usable(ledger.numeric_margin) || !is_usable(ledger.heading_accuracy) || !is_usable(map_radius)) {
     return report;
   }
   report.required = ledger.vehicle_radius + ledger.map_error + ledger.tracking_tube + ledger.numeric_margin;
   const bool covered = report.required <= map_radius;
   report.verdict = covered ? MarginVerdict::kCovered : MarginVerdict::kMapTooTight;
   report.missing = covered ? Real(0) : report.required - map_radius;
+  if (covered) {
+    report.reach = ledger.heading_accuracy > 0 ? (map_radius - report.required) / ledger.heading_accuracy : kUnlimited;
+  }
   return report;
 }
 

@@ -241,6 +241,7 @@ void visit(Visitor& visitor, Settings& settings) {
     visitor.number("vehicle_radius_m", settings.margins.vehicle_radius);
     visitor.number("map_error_m", settings.margins.map_error);
     visitor.number("numeric_margin_m", settings.margins.numeric_margin);
+    visitor.number("heading_accuracy_rad", settings.margins.heading_accuracy);
     visitor.number("tube_position_m", settings.margins.tubes.position);
     visitor.number("tube_attitude_m", settings.margins.tubes.attitude);
     visitor.number("tube_rates_m", settings.margins.tubes.rates);

@@ -46,11 +46,9 @@ Json request_json(const FlightRequest& request) {
 
 Json margins_json(const FlightRequest& request, const MapFile& map) {
   const companion::Margins& margins = request.companion.margins;
-  return {{"map_radius", map.graph.header().radius},
-          {"vehicle_radius", margins.vehicle_radius},
-          {"map_error", margins.map_error},
-          {"tracking_tube", tube_of(margins.tubes, request.companion.form)},
-          {"numeric", margins.numeric_margin}};
+  return {{"map_radius", map.graph.header().radius}, {"vehicle_radius", margins.vehicle_radius},
+          {"map_error", margins.map_error},          {"tracking_tube", tube_of(margins.tubes, request.companion.form)},
+          {"numeric", margins.numeric_margin},       {"heading_accuracy", margins.heading_accuracy}};
 }
 
 Json link_json(const FlightReport& report) {

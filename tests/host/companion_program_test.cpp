@@ -605,6 +605,7 @@ TEST(ConfigFile, WhatIsWrittenIsReadBackBitForBit) {
   settings.start = {0.1, -2.0 / 3, 1e-9};
   settings.limits.vehicle = Vehicle{1.1, 0, 21, 3};
   settings.takeoff.patience = 12'345'679;
+  settings.margins.heading_accuracy = 0.0123;
   settings.yaw.mode = YawMode::kTowards;
   settings.control.rates.k_position.x() = 6.1;
   settings.planning.budget.deadline = 12'345;
@@ -614,6 +615,7 @@ TEST(ConfigFile, WhatIsWrittenIsReadBackBitForBit) {
   EXPECT_EQ(read.start, settings.start);
   EXPECT_EQ(read.takeoff.patience, settings.takeoff.patience);
   EXPECT_EQ(read.planning.budget.deadline, 12'345U);
+  EXPECT_EQ(read.margins.heading_accuracy, 0.0123);
   EXPECT_EQ(read.control.rates.k_position.x(), 6.1);
   EXPECT_EQ(read.limits.vehicle->thrust_max, 21);
 }
@@ -642,6 +644,7 @@ TEST(ConfigFile, NumbersOutOfRangeAreRefused) {
       {R"("start_m": [0, 1e7, 0])", "start"},
       {R"("arrival_tolerance_m": 0)", "arrival tolerance"},
       {R"("margins": {"tube_rates_m": -0.1})", "margins"},
+      {R"("margins": {"heading_accuracy_rad": 1.1})", "heading accuracy"},
       {R"("takeoff": {"height_m": 0.1})", "take-off tolerance"},
       {R"("takeoff": {"tolerance_m": 1})", "take-off tolerance"},
       {R"("takeoff": {"standing_s": 10})", "standing"},

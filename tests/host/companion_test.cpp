@@ -580,6 +580,83 @@ TEST(Companion, AMapThatDoesNotCoverTheMarginsIsNotFlown) {
   EXPECT_FALSE(rig.sim.simulation().autopilot().armed());
 }
 
+/// In the hall 0.119 m of the map's radius are left: 3.97 m.
+Settings heading_settings() {
+  Settings settings = usual_settings();
+  settings.start = {3.2, 3.2, 0};
+  settings.margins.vehicle_radius = 0.4;
+  settings.margins.heading_accuracy = 0.03;
+  return settings;
+}
+
+PixhawkSimSettings heading_sim() {
+  PixhawkSimSettings sim = usual_sim();
+  sim.simulation.start = {3.2, 3.2, 0};
+  sim.simulation.estimator.attitude_sigma.z() = 0.01;
+  return sim;
+}
+
+bool has_reached_one(const Telemetry& t) { return t.goals_reached == 1; }
+
+TEST(Companion, AGoalBeyondWhatTheHeadingsMarginCoversIsRefusedAndANearOneIsFlownTo) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    PixhawkSimSettings sim = heading_sim();
+    sim.simulation.seed = seed;
+    Rig rig(heading_settings(), sim, hall());
+    ASSERT_TRUE(rig.take_off()) << rig.notes();
+    EXPECT_TRUE(rig.companion.add_goal({8.2, 3.2, 1.2}));
+    rig.run(0.5);
+    EXPECT_NE(
+        rig.notes().find("goal 8.20 3.20 1.20 refused: 5.00 m from the start, the heading's margin allows 3.97 m"),
+        std::string::npos)
+        << rig.notes();
+    EXPECT_EQ(rig.companion.telemetry().state, FlightState::kHolding);
+    EXPECT_TRUE(rig.companion.add_goal({7.1, 3.2, 1.2}));
+    EXPECT_TRUE(rig.run_until(30, has_reached_one)) << rig.notes();
+    EXPECT_LT(rig.worst_error, kTube + 0.119);
+  }
+}
+
+TEST(Companion, AWayThatLeadsBeyondTheHeadingsMarginIsGivenUp) {
+  Rig rig(heading_settings(), heading_sim(), hall());
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.block(1, {{4.5, -1, -1}, {4.6, 6.5, 5}}));  // a wall; the way around it is 4.4 m off
+  EXPECT_TRUE(rig.companion.add_goal({6.2, 3.2, 1.2}));
+  rig.run(0.5);
+  EXPECT_NE(rig.notes().find("given up: its way leads farther"), std::string::npos) << rig.notes();
+  EXPECT_EQ(rig.companion.telemetry().plan.id, 0U);
+  EXPECT_TRUE(rig.companion.unblock(1));
+  EXPECT_TRUE(rig.companion.add_goal({6.2, 3.2, 1.2}));
+  EXPECT_TRUE(rig.run_until(30, has_reached_one)) << rig.notes();
+}
+
+TEST(Companion, TheHeadingsErrorsOfFlightsInARowAddUp) {
+  Settings settings = heading_settings();
+  settings.land_at_end = true;
+  Rig rig(settings, heading_sim(), hall());
+  ASSERT_TRUE(rig.take_off());
+  EXPECT_TRUE(rig.companion.add_goal({5.2, 3.2, 1.2}));  // half of the margin
+  ASSERT_TRUE(rig.run_until(60, is_done)) << rig.notes();
+  ASSERT_TRUE(rig.take_off()) << rig.notes();
+  EXPECT_TRUE(rig.companion.add_goal({6.4, 3.2, 1.2}));  // two headings are off: 0.07 m more
+  rig.run(0.5);
+  EXPECT_NE(rig.notes().find("goal 6.40 3.20 1.20 refused"), std::string::npos) << rig.notes();
+  EXPECT_TRUE(rig.companion.add_goal({6.0, 3.2, 1.2}));
+  EXPECT_TRUE(rig.run_until(30, has_reached_one)) << rig.notes();
+}
+
+TEST(Reach, CoversAWayThatIsProvenToStayWithinIt) {
+  Segment segment;
+  segment.duration = 2;
+  segment.coefficients[0] = {1, 2, -1, 0, 0, 0};  // out to 2 m and back
+  segment.coefficients[1] = {-3, 0, 0, 0, 0, 0};
+  segment.coefficients[2] = {0, 100, 0, 0, 0, 0};
+  const auto covers = [&segment](Real distance) { return Reach{{1, -3, 50}, distance}.covers(std::span(&segment, 1)); };
+  EXPECT_TRUE(covers(1.3));  // the hull is a little wider
+  EXPECT_FALSE(covers(0.99));
+  EXPECT_TRUE(covers(kUnlimited));
+}
+
 TEST(Companion, NothingFreeAboveTheStartIsNoStart) {
   Settings settings = usual_settings();
   settings.start = {-5, 0, 0};

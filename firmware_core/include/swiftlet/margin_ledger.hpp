@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "swiftlet/flight_limits.hpp"
 #include "swiftlet/types.hpp"
 
 namespace swiftlet {
@@ -24,6 +25,9 @@ struct MarginLedger {
   Real map_error = 0;       ///< scan, registration, and the map frame's alignment with the autopilot's
   Real tracking_tube = 0;   ///< vehicle to reference: tube_of; the supervisor brakes beyond it
   Real numeric_margin = 0;  ///< the certificate's tolerance
+  /// [rad] largest error of the autopilot's heading when its frame is tied to the map's. It stays, and puts the vehicle
+  /// that much times the level distance from the place of the tie aside. 0: not budgeted.
+  Real heading_accuracy = 0;
 };
 
 enum class MarginVerdict : std::uint8_t {
@@ -34,8 +38,9 @@ enum class MarginVerdict : std::uint8_t {
 
 struct MarginReport {
   MarginVerdict verdict = MarginVerdict::kBadNumber;
-  Real required = 0;  ///< [m] sum of the shares
-  Real missing = 0;   ///< [m] by which the map's radius is too small, > 0 with kMapTooTight only
+  Real required = 0;  ///< [m] sum of the shares, at the place of the tie
+  Real reach = 0;  ///< [m] level, from the place of the tie: how far the rest of the radius covers the heading's error
+  Real missing = 0;  ///< [m] by which the map's radius is too small, > 0 with kMapTooTight only
 };
 
 /// Compares the ledger with the radius that the map was inflated by.
