@@ -218,13 +218,22 @@ void print_summary(const FlightReport& report, const FlightRequest& request, con
   }
 }
 
+std::string page_title(const FlyOptions& options, const FlightReport& report) {
+  const std::vector<Vector3>& goals = options.flight.goals;
+  std::string title = std::filesystem::path(options.map).stem().string() + ": flight to " + to_text(goals.back());
+  if (goals.size() == 2) title += " by way of a goal";
+  if (goals.size() > 2) title += " by way of " + std::to_string(goals.size() - 1) + " goals";
+  std::string outcome = report.status;
+  std::replace(outcome.begin(), outcome.end(), '_', ' ');
+  return title + ": " + outcome + (report.landed ? ", landed" : "");
+}
+
 void write_page(const FlyOptions& options, const MapFile& map, Obstacles& obstacles, FlightReport& report,
                 const Json& document) {
   if (options.report.empty()) return;
   const BlobHeader& header = map.graph.header();
   report.record.obstacles = {header.origin, map.graph.unit(), header.resolution, obstacles.boxes()};
-  const std::string title = std::filesystem::path(map.path).stem().string() + ": " + report.status;
-  write_output(options.report, flight_report_html({document, report.record, title}));
+  write_output(options.report, flight_report_html({document, report.record, page_title(options, report)}));
 }
 
 /// The flight's log in memory, where one is asked for, or a fault fills it.

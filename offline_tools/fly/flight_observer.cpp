@@ -109,8 +109,11 @@ void FlightObserver::see_events(const companion::Companion& companion) {
   }
   for (; notes_seen_ < companion.note_count(); ++notes_seen_) {
     if (notes_seen_ + companion::Companion::kNotes < companion.note_count()) continue;
-    const std::string text(companion.note(notes_seen_).view());
-    if (text != transition_) note(EventKind::kNote, text);
+    const companion::Note& said = companion.note(notes_seen_);
+    const std::string text(said.view());
+    if (said.severity <= mavlink::Severity::kWarning) warning_ = text;
+    const bool arrives = text.starts_with("goal ") && text.ends_with(" reached");
+    if (text != transition_) note(arrives ? EventKind::kArrival : EventKind::kNote, text);
   }
 }
 
@@ -151,7 +154,6 @@ void FlightObserver::see_phase(const Telemetry& telemetry) {
   for (; report_.goals_reached < telemetry.goals_reached; ++report_.goals_reached) {
     report_.arrivals.push_back(t_);
     changed_at_ = t_;
-    note(EventKind::kArrival, "goal " + std::to_string(report_.goals_reached + 1) + " reached");
   }
 }
 
@@ -265,7 +267,7 @@ void FlightObserver::name_outcome(const Telemetry& telemetry) {
   }
   if (t_ >= request_.longest) return set("timeout", "the flight took too long");
   if (!begun_) return set("no_take_off", std::string("it never took off: ") + describe(telemetry.reason));
-  set("stopped", std::string("it stopped: ") + describe(telemetry.reason));
+  set("stopped", "it stopped: " + (warning_.empty() ? describe(telemetry.reason) : warning_));
 }
 
 const char* to_word(Reason reason) {

@@ -62,11 +62,16 @@ TEST_F(FlyTest, ArrivesAtEveryGoalLandsAndReportsAsTheContractSays) {
     EXPECT_EQ(report["setpoints"]["stale"], 0);
     EXPECT_EQ(report["setpoints"]["repeated"], 0);
     double last = 0;
+    std::size_t arrivals = 0;
     for (const Json& event : report["events"]) {
       EXPECT_LE(last, event["t"]);
       last = event["t"];
-      EXPECT_TRUE(event["what"].is_string());
+      ASSERT_TRUE(event["what"].is_string());
+      if (!event["what"].get<std::string>().ends_with(" reached")) continue;
+      ASSERT_LT(arrivals, report["arrivals"].size());
+      EXPECT_EQ(event["t"], report["arrivals"][arrivals++]);
     }
+    EXPECT_EQ(arrivals, 3);
     for (const Json& speed : report["reference"]["max_speed"]) EXPECT_LE(speed, 1.001);
     for (const Json& acceleration : report["reference"]["max_acceleration"]) EXPECT_LE(acceleration, 2.001);
   }
@@ -248,6 +253,26 @@ TEST_F(FlyTest, ALogKnowsWhereItsMapIs) {
   log[key] = 'S';
   write_text(path("flight.ulg"), log);
   EXPECT_TRUE(refused(swiftlet(alone), 3, {"flight.ulg", "does not say where", "--map"}));
+}
+
+TEST_F(FlyTest, ThePagesTitleSaysWhichFlightItWasAndHowItEnded) {
+  (void)fly({"--report", path("flight.html")});
+  EXPECT_NE(read_text(path("flight.html"))
+                .find("<title>room: flight to 3.360, 0.800, 0.800 by way of 2 goals: arrived, landed</title>"),
+            std::string::npos);
+  (void)fly({"--report", path("flight.html"), "--fault", "pilot@18"}, 1);
+  EXPECT_NE(read_text(path("flight.html"))
+                .find("<title>room: flight to 3.360, 0.800, 0.800 by way of 2 goals: pilot took over</title>"),
+            std::string::npos);
+}
+
+TEST_F(FlyTest, AGoalThatIsRefusedIsTheReason) {
+  write_text(path("config.json"), R"({"format": "swiftlet-config/1", "margins": {"vehicle_radius_m": 0.1,
+    "map_error_m": 0.03, "heading_accuracy_rad": 0.01}})");
+  const Json report = fly({"--config", path("config.json")}, 1);
+  EXPECT_EQ(report["status"], "stopped");
+  EXPECT_NE(report["reason"].get<std::string>().find("the heading's margin allows"), std::string::npos)
+      << report["reason"];
 }
 
 TEST_F(FlyTest, WithoutRoomToLogNoFlightStarts) {
