@@ -8,6 +8,7 @@ namespace swiftlet {
 namespace {
 
 constexpr int kMostHalvings = 6;
+constexpr std::uint8_t kMostOvershoots = 32;  // by then a step is none
 // No segment is refined to less than this share of the mean: the cost's condition grows with the ratio's fifth power.
 constexpr Real kShortestShare = Real(0.05);
 // The best trial may be feasible only within a trial's tolerance; then its durations are stretched a little.
@@ -50,6 +51,7 @@ class Refinement {
         durations_(durations),
         trial_(spans.trial.first(durations.size())),
         gradient_(spans.gradient.first(durations.size())),
+        overshoots_(spans.overshoots.first(durations.size())),
         segments_(segments.first(durations.size())),
         report_(report),
         last_work_(3 * kWorkOfSetUp * durations.size()) {}
@@ -118,11 +120,12 @@ class Refinement {
     return std::min(least, segment.duration);
   }
 
-  /// From the gradient at the durations, and slower where a bound of norm or jerk asks for it.
+  /// From the gradient at the durations, and slower where a bound of norm or jerk asks for it. A duration that has been
+  /// beyond its optimum takes half the steps from then on.
   void propose(int halvings) {
     const Real shortest = kShortestShare * sum(durations_) / static_cast<Real>(durations_.size());
     for (std::size_t i = 0; i < durations_.size(); ++i) {
-      Real factor = step_factor(gradient_[i], options_.time_weight, options_.largest_step, halvings);
+      Real factor = step_factor(gradient_[i], options_.time_weight, options_.largest_step, halvings + overshoots_[i]);
       if (factor < 1) {
         const Real least = least_duration(i);
         const Real held = std::max(4 * least / durations_[i] - 3, Real(0));
@@ -135,7 +138,21 @@ class Refinement {
     }
   }
 
+  /// Takes the trial just solved for the durations. Returns whether the objective rises again where the step ended:
+  /// then its best lies before.
+  bool accept_trial() {
+    Real rise = 0;
+    for (std::size_t i = 0; i < trial_.size(); ++i) {
+      const Real own = (gradient_[i] + options_.time_weight) * (trial_[i] - durations_[i]);
+      if (own > 0 && overshoots_[i] < kMostOvershoots) ++overshoots_[i];
+      rise += own;
+      durations_[i] = trial_[i];
+    }
+    return rise > 0;
+  }
+
   void improve() {
+    std::fill(overshoots_.begin(), overshoots_.end(), std::uint8_t{0});
     const std::uint64_t limit = report_.work + options_.work;
     Real best = objective(durations_);
     Real best_slow_down = slow_down_;
@@ -153,11 +170,11 @@ class Refinement {
       current = reached < best;
       halvings += current ? 0 : 1;
       if (!current) continue;
-      std::copy(trial_.begin(), trial_.end(), durations_.begin());
+      const bool passed_the_best = accept_trial();
       best_slow_down = slow_down_;
-      const bool is_last = best - reached < options_.least_gain * best;
+      const bool gains_little = best - reached < options_.least_gain * best;
       best = reached;
-      if (is_last) break;
+      if (gains_little && !passed_the_best) break;
     }
     for (Real& duration : durations_) duration *= best_slow_down;
   }
@@ -180,6 +197,7 @@ class Refinement {
   std::span<Real> durations_;
   std::span<Real> trial_;
   std::span<Real> gradient_;
+  std::span<std::uint8_t> overshoots_;  // of each duration: steps beyond its optimum
   std::span<Segment> segments_;
   TrajectoryReport& report_;
   std::uint64_t last_work_;  ///< of the last solve, which the next one is taken to need as well

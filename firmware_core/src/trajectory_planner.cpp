@@ -56,7 +56,7 @@ constexpr std::uint64_t kTighteningTrials = 24;
 // the speed limit, so that raising that limit does not change what is sought.
 constexpr Real kTimeWeight = 70;
 constexpr Real kShortestLength = Real(0.01);  // [m] in that unit
-constexpr Real kLeastGain = Real(2e-3);       // of a step of the refinement, for another one to follow
+constexpr Real kLeastGain = Real(7e-4);       // of a step of the refinement, for another one to follow
 constexpr int kSlowDowns = 4;
 // From rest no ramp is asked to be shorter than this share of the mean leg, nor of the way where it has few legs: much
 // steeper ones gain next to no time, and a search that trades smoothness for them stops anywhere.

@@ -54,11 +54,12 @@ class TrajectoryStorage {
 template <std::size_t kSegments>
 class RefinementStorage {
  public:
-  RefinementSpans spans() { return {trial_, gradient_, {{labels_[0], labels_[1], labels_[2]}, {}}}; }
+  RefinementSpans spans() { return {trial_, gradient_, overshoots_, {{labels_[0], labels_[1], labels_[2]}, {}}}; }
 
  private:
   std::array<Real, kSegments> trial_;
   std::array<Real, kSegments> gradient_;
+  std::array<std::uint8_t, kSegments> overshoots_;
   std::array<std::array<QpLabel, active_rows(kSegments)>, 3> labels_;
 };
 
