@@ -15,6 +15,7 @@
 #include "cli/flight_document.hpp"
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
+#include "cli/planner_memory.hpp"
 #include "cli/vehicle_file.hpp"
 #include "flight/memory_storage.hpp"
 #include "map/file_io.hpp"
@@ -48,10 +49,8 @@ struct FlyOptions {
   std::string log;
 };
 
-// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): far too large for a stack
-PlannerStorage<kBoard> planner_storage;
-companion::CompanionStorage<kBoard> companion_storage;
-// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
+companion::CompanionStorage<kBoard>
+    companion_storage;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): too large for a stack
 
 double finite(const std::string& name, std::string_view text, double largest) {
   const std::optional<double> number = parse_number(text);
@@ -140,7 +139,7 @@ void apply_options(FlyOptions& options, const MapFile& map) {
 /// exist, after writing a report.
 void check_goals(const FlyOptions& options, const MapFile& map, Obstacles& obstacles) {
   const FlightRequest& flight = options.flight;
-  FlightPlanner planner(planner_storage.spans(), FlightPlanner::Kind::kInline);
+  FlightPlanner planner(planner_memory(), FlightPlanner::Kind::kInline);
   Vector3 from = flight.start;
   for (std::size_t i = 0; i < flight.goals.size(); ++i) {
     companion::PlanJob job{map.graph, {}};
@@ -275,7 +274,7 @@ ExitStatus run_fly(FlyOptions& options) {
   check_goals(options, map, obstacles);
 
   const FlightRequest& flight = options.flight;
-  FlightPlanner planner(planner_storage.spans(),
+  FlightPlanner planner(planner_memory(),
                         flight.in_process ? FlightPlanner::Kind::kInline : FlightPlanner::Kind::kThread);
   const std::vector<Box> boxes = unwrap(occupied_boxes(map.graph));
   Recorder recorder(options, map, boxes);

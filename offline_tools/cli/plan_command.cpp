@@ -12,6 +12,7 @@
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "cli/plan_document.hpp"
+#include "cli/planner_memory.hpp"
 #include "cli/progress_line.hpp"
 #include "cli/query_file.hpp"
 #include "cli/stopwatch.hpp"
@@ -46,9 +47,6 @@ struct TimedPlan {
   PlanTimes times;
   std::string reason;  ///< why there is no trajectory, for people; empty when there is one
 };
-
-PlannerStorage<kBoard>
-    storage;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): far too large for a stack
 
 std::string describe_blocking(const Blocking& blocking) {
   const std::string where = "corridor box " + std::to_string(blocking.box) + " on axis " + "xyz"[blocking.axis];
@@ -101,7 +99,7 @@ void check_answered(const MapFile& map, const Plan& plan) {
 }
 
 TimedPlan run_planner(const MapFile& map, Obstacles& obstacles, const PlanRequest& request) {
-  static Planner planner(storage.spans());
+  static Planner planner(planner_memory());
   TimedPlan timed{&planner.result(), {}, {}};
   const Stopwatch stopwatch;
   const bool found = planner.find_corridor(map.graph, request) == Status::kOk;

@@ -10,6 +10,7 @@
 #include "cli/config_file.hpp"
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
+#include "cli/planner_memory.hpp"
 #include "flight/replay.hpp"
 #include "swiftlet/version.hpp"
 
@@ -21,10 +22,8 @@ struct ReplayOptions {
   std::vector<std::string> maps;
 };
 
-// NOLINTBEGIN(cppcoreguidelines-avoid-non-const-global-variables): far too large for a stack
-PlannerStorage<kBoard> planner_storage;
-companion::CompanionStorage<kBoard> companion_storage;
-// NOLINTEND(cppcoreguidelines-avoid-non-const-global-variables)
+companion::CompanionStorage<kBoard>
+    companion_storage;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): too large for a stack
 
 std::string seconds(TimeUs time) { return to_text(static_cast<double>(time) / 1e6, 2) + " s"; }
 
@@ -66,7 +65,7 @@ ExitStatus run_replay(const ReplayOptions& options) {
   std::vector<BoxGraphView> maps;
   std::transform(files.begin(), files.end(), std::back_inserter(maps), [](const MapFile& file) { return file.graph; });
   const ReplayWorld world{maps, parse_config(options.log + ", its settings", settings->second),
-                          companion_storage.memory(), planner_storage.spans()};
+                          companion_storage.memory(), planner_memory()};
   const ReplayReport report = unwrap(replay(log, world));
   const std::string compared = std::to_string(report.steps) + " steps, " + std::to_string(report.plans) + " plans, " +
                                std::to_string(report.messages) + " messages";
