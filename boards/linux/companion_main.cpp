@@ -14,9 +14,9 @@
 #include <memory>
 
 #include "board_config.hpp"
-#include "cli/arguments.hpp"
 #include "cli/config_file.hpp"
 #include "cli/failure.hpp"
+#include "cli/text.hpp"
 #include "linux/console.hpp"
 #include "linux/flight_loop.hpp"
 #include "linux/port.hpp"

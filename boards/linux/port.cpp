@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "cli/arguments.hpp"
 #include "cli/failure.hpp"
+#include "cli/text.hpp"
 
 namespace swiftlet::board {
 namespace {

@@ -2,9 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "swiftlet/types.hpp"
@@ -16,15 +14,6 @@ struct NumberRange {
   double lo = std::numeric_limits<double>::lowest();
   double hi = std::numeric_limits<double>::max();
 };
-
-/// The number that makes up the whole text, blanks at its ends aside; may be infinite or not a number ("nan", "1e999").
-std::optional<double> parse_number(std::string_view text);
-
-/// The text without blanks at its ends.
-std::string_view trimmed(std::string_view text);
-
-/// The text cut at every comma, each piece without blanks at its ends.
-std::vector<std::string_view> split_at_commas(std::string_view text);
 
 /// `--name N`: a finite number of the range; anything else is a usage error that says so.
 CLI::Option* add_number(CLI::App& app, const std::string& name, double& target, const NumberRange& range,
@@ -40,10 +29,5 @@ CLI::Option* add_vector(CLI::App& app, const std::string& name, Vector3& target,
 /// `--name WORD`: one of the choices.
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& target,
                         const std::vector<std::string>& choices, const std::string& description);
-
-/// "x, y, z" with three decimals, for people.
-std::string to_text(const Vector3& point);
-/// `value` with so many decimals.
-std::string to_text(double value, int decimals);
 
 }  // namespace swiftlet::tools

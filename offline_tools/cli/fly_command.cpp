@@ -16,6 +16,7 @@
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "cli/planner_memory.hpp"
+#include "cli/text.hpp"
 #include "cli/vehicle_file.hpp"
 #include "flight/memory_storage.hpp"
 #include "map/file_io.hpp"

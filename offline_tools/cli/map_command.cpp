@@ -16,6 +16,7 @@
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "cli/progress_line.hpp"
+#include "cli/text.hpp"
 #include "map/alternatives.hpp"
 #include "map/audit.hpp"
 #include "map/landmarks.hpp"

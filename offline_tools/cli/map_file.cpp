@@ -5,8 +5,8 @@
 #include <cstring>
 #include <span>
 
-#include "cli/arguments.hpp"
 #include "cli/failure.hpp"
+#include "cli/text.hpp"
 #include "map/file_io.hpp"
 #include "map/obstacles.hpp"
 

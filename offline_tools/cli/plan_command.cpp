@@ -16,6 +16,7 @@
 #include "cli/progress_line.hpp"
 #include "cli/query_file.hpp"
 #include "cli/stopwatch.hpp"
+#include "cli/text.hpp"
 #include "cli/vehicle_file.hpp"
 #include "report/plan_report.hpp"
 #include "swiftlet/planner.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 #include <string_view>
 
-#include "cli/arguments.hpp"
 #include "cli/failure.hpp"
+#include "cli/text.hpp"
 #include "map/file_io.hpp"
 
 namespace swiftlet::tools {

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "board_config.hpp"
-#include "cli/arguments.hpp"
 #include "cli/commands.hpp"
 #include "cli/config_file.hpp"
 #include "cli/map_file.hpp"
 #include "cli/output.hpp"
 #include "cli/planner_memory.hpp"
+#include "cli/text.hpp"
 #include "flight/replay.hpp"
 #include "swiftlet/version.hpp"
 

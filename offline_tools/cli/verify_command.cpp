@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "cli/arguments.hpp"
 #include "cli/commands.hpp"
 #include "cli/map_file.hpp"
 #include "cli/plan_file.hpp"
+#include "cli/text.hpp"
 #include "swiftlet/certificate.hpp"
 #include "swiftlet/trajectory.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "cli/arguments.hpp"
 #include "cli/failure.hpp"
+#include "cli/text.hpp"
 #include "cli/vehicle_file.hpp"
 #include "sim/pixhawk_sim.hpp"
 #include "swiftlet/hal/posix_uart.hpp"
