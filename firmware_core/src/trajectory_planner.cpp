@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "swiftlet/stop_at_gates.hpp"
 #include "swiftlet/time_allocation.hpp"
@@ -13,7 +14,7 @@ namespace {
 // gives no time at all, and the cost grows with T^-5.
 constexpr Real kShortestShare = Real(0.05);
 constexpr Real kShortestDuration = Real(1e-3);  // [s]
-constexpr Real kShortestFirst = Real(1e-5);     // [s] of a segment whose gate is right ahead of the motion
+constexpr Real kShortestFirst = Real(1e-6);     // [s] of a segment whose gate is right ahead of the motion
 // Longest leg without a knot, in units of the way to the speed limit and back.
 constexpr Real kLongestLeg = 2;
 constexpr Real kStretchStep = Real(1.25);
@@ -58,8 +59,8 @@ constexpr Real kTimeWeight = 70;
 constexpr Real kShortestLength = Real(0.01);  // [m] in that unit
 constexpr Real kLeastGain = Real(7e-4);       // of a step of the refinement, for another one to follow
 constexpr int kSlowDowns = 4;
-// From rest no ramp is asked to be shorter than this share of the mean leg, nor of the way where it has few legs: much
-// steeper ones gain next to no time, and a search that trades smoothness for them stops anywhere.
+// No ramp is asked to be shorter than this share of the mean leg, nor of the way where it has few legs: much steeper
+// ones gain next to no time, and a search that trades smoothness for them stops anywhere.
 constexpr Real kRampOfLeg = Real(0.4);
 constexpr Real kRampOfWay = Real(0.05);
 // The first allocation takes no leg for faster than its length lets it become, in units of sqrt(a times its length):
@@ -123,6 +124,7 @@ const FittedTrajectory& TrajectoryPlanner::fit(const KnottedCorridor& corridor, 
     fitted_.status = Status::kInfeasible;
     return fitted_;
   }
+  find_ramps();
   if (from_rest) keep_ramps();
   add_knots();
   // The answer that always exists, before anything that could run out (design: section 6).
@@ -167,7 +169,7 @@ Real TrajectoryPlanner::path_length() const {
 
 /// Jerk cost that a second is worth [m^2/s^6].
 Real TrajectoryPlanner::time_weight() const {
-  const Real a = fitted_.qp_a_max.maxCoeff();
+  const Real a = std::min(fitted_.qp_a_max.maxCoeff(), ramp_acceleration_);
   return kTimeWeight * a * a * a / std::max(path_length(), kShortestLength);
 }
 
@@ -189,14 +191,18 @@ bool TrajectoryPlanner::ends_keep_limits() {
   return true;
 }
 
-/// Lowers the acceleration where the speed limit would be reached over a way that is short against the legs. Free of
-/// the limits themselves, so that raising one of them scales the same plan.
-void TrajectoryPlanner::keep_ramps() {
+/// The acceleration with which the speed limit is reached over a way that is short against the legs. Free of the limit
+/// of acceleration, so that raising that scales the same plan.
+void TrajectoryPlanner::find_ramps() {
   const Real length = path_length();
   const Real shortest = std::min(kRampOfLeg * length / static_cast<Real>(count()), kRampOfWay * length);  // [m]
-  const Real v = bounds_.v.axis;
-  if (v * v >= bounds_.a.axis * shortest) return;
-  bounds_.a.axis = v * v / shortest;
+  ramp_acceleration_ = bounds_.v.axis * bounds_.v.axis / std::max(shortest, std::numeric_limits<Real>::min());
+}
+
+/// From rest nothing needs a harder one.
+void TrajectoryPlanner::keep_ramps() {
+  if (ramp_acceleration_ >= bounds_.a.axis) return;
+  bounds_.a.axis = ramp_acceleration_;
   fitted_.qp_a_max = Vector3::Constant(bounds_.a.axis);
 }
 

@@ -151,6 +151,15 @@ TEST(TrajectoryPlanner, AStartThatCanJustBrakeWithinItsBoxIsFlown) {
   EXPECT_TRUE(fitted.certificate.pass);
 }
 
+TEST(TrajectoryPlanner, AGateMicrosecondsAheadIsFlownThrough) {
+  for (const Real ahead : {Real(1e-4), Real(2e-5), Real(5e-6), Real(2e-6)}) {
+    RandomFlight flight = two_rooms();
+    flight.request.start.position = flight.points[0] = {4 - ahead, 1, 1};
+    flight.request.start.velocity = {Real(0.9), Real(0.2), 0};
+    EXPECT_EQ(fit(flight).status, Status::kOk) << ahead;
+  }
+}
+
 TEST(TrajectoryPlanner, AStartThatCannotBrakeIsInfeasibleAndNamesWhatIsMissing) {
   RandomFlight flight = two_rooms();
   flight.request.limits.v_max = 2;

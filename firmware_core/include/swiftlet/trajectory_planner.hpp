@@ -77,6 +77,7 @@ class TrajectoryPlanner {
   [[nodiscard]] Real time_weight() const;
 
   bool ends_keep_limits();
+  void find_ramps();
   void keep_ramps();
   void add_knots();
   void plan_braking();
@@ -107,6 +108,7 @@ class TrajectoryPlanner {
   TrajectoryRequest request_;
   MotionBounds bounds_;
   Braking braking_;
+  Real ramp_acceleration_ = 0;   // [m/s^2]
   Real longest_leg_ = 0;         // [m] of the path, before knots
   std::size_t brake_count_ = 0;  // leading segments that only brake
   FittedTrajectory fitted_;
