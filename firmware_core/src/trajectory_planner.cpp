@@ -15,6 +15,7 @@ namespace {
 constexpr Real kShortestShare = Real(0.05);
 constexpr Real kShortestDuration = Real(1e-3);  // [s]
 constexpr Real kShortestFirst = Real(1e-6);     // [s] of a segment whose gate is right ahead of the motion
+constexpr Real kHair = 1 + Real(sizeof(Real) == 8 ? 1e-6 : 1e-4);  // later than full speed would be there
 // Longest leg without a knot, in units of the way to the speed limit and back.
 constexpr Real kLongestLeg = 2;
 constexpr Real kStretchStep = Real(1.25);
@@ -294,9 +295,10 @@ void TrajectoryPlanner::fit_first_box(std::span<Real> times) const {
     const Real a = direction * request_.start.acceleration[axis];
     const Real ahead = direction > 0 ? gate.lo[axis] - p : p - gate.hi[axis];
     const Real behind = direction > 0 ? p - gate.hi[axis] : gate.lo[axis] - p;
-    if (ahead > 0) arrival = std::max(arrival, time_to(ahead, v, a));
+    if (ahead > 0) arrival = std::max({arrival, time_to(ahead, v, a), kHair * ahead / fitted_.qp_v_max[axis]});
     if (behind > 0) arrival = kUnlimited;
-    latest = std::min(latest, time_to(direction > 0 ? box.hi[axis] - p : p - box.lo[axis], v, -fitted_.qp_a_max[axis]));
+    const Real room = (direction > 0 ? box.hi[axis] - p : p - box.lo[axis]) + kFeasibility;
+    latest = std::min(latest, time_to(room, v, -fitted_.qp_a_max[axis]));
     stopping = std::max(stopping, v / fitted_.qp_a_max[axis]);
   }
   const std::span<Real> first = times.first(inside);

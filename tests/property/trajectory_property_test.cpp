@@ -188,14 +188,14 @@ TEST(TrajectoryProperty, EveryRandomCorridorIsFlownFromRestAndFromMotion) {
   EXPECT_LE(static_cast<double>(rest.fallback), (kIsDouble ? 0.001 : 0.01) * static_cast<double>(rest.flights) + 1);
 }
 
-// Of slow flights with hard accelerations, and of a gate a few microseconds ahead: states from which there once was no
-// answer.
+// Of slow flights with hard accelerations, of a gate a few microseconds ahead, of one that full speed just reaches, and
+// on a face: states from which there once was no answer.
 TEST(TrajectoryProperty, StatesOnceLostAreFlownFrom) {
   if (!kIsDouble) return;
   Flights flights;
   Counts rest;
   Counts sampled;
-  for (const std::uint64_t seed : {52678U, 80854U, 84442U}) {
+  for (const std::uint64_t seed : {52678U, 80854U, 84442U, 143046U, 151716U}) {
     RandomFlight flight(seed);
     RandomFlight replanned = flight;
     const FittedTrajectory& fitted = flights.fly(flight, rest, "from rest", seed);
