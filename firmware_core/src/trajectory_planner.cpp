@@ -58,7 +58,8 @@ constexpr std::uint64_t kTighteningTrials = 24;
 // the speed limit, so that raising that limit does not change what is sought.
 constexpr Real kTimeWeight = 70;
 constexpr Real kShortestLength = Real(0.01);  // [m] in that unit
-constexpr Real kLeastGain = Real(7e-4);       // of a step of the refinement, for another one to follow
+// Of a step of the refinement, for each segment, for another one to follow: a step's work grows with them.
+constexpr Real kLeastGain = Real(8e-5);
 constexpr int kSlowDowns = 4;
 // No ramp is asked to be shorter than this share of the mean leg, nor of the way where it has few legs: much steeper
 // ones gain next to no time, and a search that trades smoothness for them stops anywhere.
@@ -525,8 +526,8 @@ Status TrajectoryPlanner::refine(std::uint64_t work) {
   const std::uint64_t reserve = std::uint64_t{12} * count() * (kWorkOfSetUp + count());
   const std::uint64_t left = work_left() > reserve ? work_left() - reserve : 0;
   return refine_durations(problem({}),
-                          {time_weight(), std::min(work, left), is_from_rest() ? bounds_ : MotionBounds{}, kLeastGain,
-                           request_.budget.deadline},
+                          {time_weight(), std::min(work, left), is_from_rest() ? bounds_ : MotionBounds{},
+                           kLeastGain * static_cast<Real>(count()), request_.budget.deadline},
                           spans_.trajectory, spans_.refinement, durations(), spans_.segments.first(count()),
                           fitted_.report);
 }

@@ -249,8 +249,8 @@ std::uint64_t hash_of(const RandomFlight& flight, const FittedTrajectory& fitted
 // replace them then, and say in the commit why the answers moved.
 TEST(TrajectoryPlanner, TheBitsOfSixFlightsAreTheSameOnEveryMachine) {
   if (!kIsDouble) return;
-  constexpr std::array<std::uint64_t, 6> kGolden{4260770478422790309U, 1576444930063709917U, 679016512651304827U,
-                                                 4711026494343250214U, 7923929061386204622U, 6883463174434876950U};
+  constexpr std::array<std::uint64_t, 6> kGolden{13455330301399952648U, 1576444930063709917U, 679016512651304827U,
+                                                 4711026494343250214U,  7248164698275153642U, 8038292835048246394U};
   for (std::size_t seed = 0; seed < kGolden.size(); ++seed) {
     RandomFlight flight(seed);
     if (seed == 2) flight.request.limits.norm = LimitNorm::kEuclidean;
