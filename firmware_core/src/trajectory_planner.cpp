@@ -59,7 +59,7 @@ constexpr std::uint64_t kTighteningTrials = 24;
 constexpr Real kTimeWeight = 70;
 constexpr Real kShortestLength = Real(0.01);  // [m] in that unit
 // Of a step of the refinement, for each segment, for another one to follow: a step's work grows with them.
-constexpr Real kLeastGain = Real(8e-5);
+constexpr Real kLeastGain = Real(9e-5);
 constexpr int kSlowDowns = 4;
 // No ramp is asked to be shorter than this share of the mean leg, nor of the way where it has few legs: much steeper
 // ones gain next to no time, and a search that trades smoothness for them stops anywhere.
