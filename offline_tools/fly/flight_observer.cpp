@@ -111,8 +111,9 @@ void FlightObserver::see_events(const companion::Companion& companion) {
     if (notes_seen_ + companion::Companion::kNotes < companion.note_count()) continue;
     const companion::Note& said = companion.note(notes_seen_);
     const std::string text(said.view());
-    if (said.severity <= mavlink::Severity::kWarning) warning_ = text;
-    const bool arrives = text.starts_with("goal ") && text.ends_with(" reached");
+    const bool of_goal = text.starts_with("goal ");
+    if (of_goal && said.severity <= mavlink::Severity::kWarning) lost_goal_ = text;
+    const bool arrives = of_goal && text.ends_with(" reached");
     if (text != transition_) note(arrives ? EventKind::kArrival : EventKind::kNote, text);
   }
 }
@@ -267,7 +268,7 @@ void FlightObserver::name_outcome(const Telemetry& telemetry) {
   }
   if (t_ >= request_.longest) return set("timeout", "the flight took too long");
   if (!begun_) return set("no_take_off", std::string("it never took off: ") + describe(telemetry.reason));
-  set("stopped", "it stopped: " + (warning_.empty() ? describe(telemetry.reason) : warning_));
+  set("stopped", "it stopped: " + (lost_goal_.empty() ? describe(telemetry.reason) : lost_goal_));
 }
 
 const char* to_word(Reason reason) {

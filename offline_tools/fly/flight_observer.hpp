@@ -51,7 +51,7 @@ class FlightObserver {
   bool ended_ = false;  // the landing has begun, or control was lost
   std::uint32_t events_seen_ = 0;
   std::string transition_;  // the newest, as the companion's own note of it reads
-  std::string warning_;     // the newest
+  std::string lost_goal_;   // the newest note of a goal that was refused or given up
   std::uint32_t notes_seen_ = 0;
   std::uint32_t plan_ = 0;
   Reason fault_ = Reason::kNone;  // latest
