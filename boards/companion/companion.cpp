@@ -72,11 +72,10 @@ Companion::Companion(const Settings& settings, const BoxGraphView& map, const Me
 }
 
 void Companion::check_map(const BoxGraphView& map) {
-  const MarginReport report = margins_of(settings_, static_cast<Real>(map.header().radius));
-  margins_covered_ = report.verdict == MarginVerdict::kCovered;
+  const MarginReport report = mission_.margins(map);
   parameters_[kMapRadius].value = static_cast<float>(map.header().radius);
   parameters_[kRequiredRadius].value = static_cast<float>(report.required);
-  if (margins_covered_) return;
+  if (report.verdict == MarginVerdict::kCovered) return;
   Line line("no flight in this map: its radius is ");
   line << static_cast<Real>(map.header().radius) << " m, the margins need " << report.required << " m";
   journal_.warn(line);
@@ -115,8 +114,7 @@ bool Companion::set_limits(Real v_max, Real a_max) {
 
 bool Companion::replace_map(const BoxGraphView& map, std::string_view file) {
   if (log_ != nullptr) log_->note_map(map.header().crc32, file);
-  const MarginReport report = margins_of(settings_, static_cast<Real>(map.header().radius));
-  if (report.verdict != MarginVerdict::kCovered) {
+  if (mission_.margins(map).verdict != MarginVerdict::kCovered) {
     journal_.warn("the new map is refused: its radius does not cover the margins");
     return false;
   }
@@ -364,7 +362,7 @@ Decision Companion::decide() {
   const bool on_plan = store_.has_reference() && !store_.segments(now_).empty();
   inputs.plan_map_id = on_plan ? replanner_.committed().map_crc : inputs.map_id;
   inputs.path_blocked = replanner_.path_blocked(store_, now_);
-  inputs.margins_covered = margins_covered_;
+  inputs.margins_covered = mission_.margins(replanner_.map()).verdict == MarginVerdict::kCovered;
   inputs.storage_full = log_ != nullptr && log_->full();
   mission_.fill(inputs);
   return supervisor_.step(inputs);

@@ -130,7 +130,6 @@ class Companion {
   mavlink::Ring<Word, kMostWords> words_;
 
   TimeUs now_ = 0;
-  bool margins_covered_ = false;
   VehicleState estimate_;  // frame W
   bool has_estimate_ = false;
   bool new_estimate_ = false;

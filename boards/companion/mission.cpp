@@ -89,9 +89,11 @@ std::uint32_t Mission::set_goal(const Vector3& position, std::optional<Real> yaw
   return add_goal(position, yaw, map);
 }
 
-Reach Mission::reach(const BoxGraphView& map) const {
-  return {alignment_.place(), margins_of(settings_, static_cast<Real>(map.header().radius), tie_).reach};
+MarginReport Mission::margins(const BoxGraphView& map) const {
+  return margins_of(settings_, static_cast<Real>(map.header().radius), tie_);
 }
+
+Reach Mission::reach(const BoxGraphView& map) const { return {alignment_.place(), margins(map).reach}; }
 
 // ---- What the autopilot says
 
@@ -127,12 +129,13 @@ void Mission::note_arming(TimeUs now) {
   if (armed_ && may_align()) (void)alignment_.step(now);
 }
 
-/// What this flight's heading was off is part of where the next one starts, and of its heading.
+/// What this flight's heading was off is part of where the next one starts, and of its heading: that is read once more
+/// now, and again when the frames are tied anew.
 void Mission::stand_where_landed() {
   const mavlink::VehicleState vehicle = link_.vehicle();
   const Real flown = (vehicle.position - alignment_.place()).head<2>().norm();
-  tie_.error += static_cast<Real>(tie_.count) * settings_.margins.heading_accuracy * flown;
-  ++tie_.count;
+  tie_.error += static_cast<Real>(tie_.readings) * settings_.margins.heading_accuracy * flown;
+  tie_.readings += 2;
   alignment_.stand_at(vehicle.position, mavlink::yaw_of(vehicle.attitude));
 }
 

@@ -60,6 +60,8 @@ class Mission {
   /// The yaw to be held; nothing in motion.
   [[nodiscard]] std::optional<Real> yaw(bool at_rest) const;
   void plan_ended(const PlanEnd& end);
+  /// What a map's radius covers, after the flights so far.
+  [[nodiscard]] MarginReport margins(const BoxGraphView& map) const;
   /// How far the margins let it go in a map.
   [[nodiscard]] Reach reach(const BoxGraphView& map) const;
 

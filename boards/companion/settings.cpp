@@ -117,7 +117,7 @@ MarginReport margins_of(const Settings& settings, Real map_radius, const Tie& ti
   ledger.map_error = settings.margins.map_error + tie.error;
   ledger.tracking_tube = tube_of(settings.margins.tubes, settings.form);
   ledger.numeric_margin = settings.margins.numeric_margin;
-  ledger.heading_accuracy = static_cast<Real>(tie.count) * settings.margins.heading_accuracy;
+  ledger.heading_accuracy = static_cast<Real>(tie.readings) * settings.margins.heading_accuracy;
   return check_margins(ledger, map_radius);
 }
 

@@ -29,8 +29,8 @@ struct Margins {
 
 /// What the frames' tie is worth after flights that began where the one before had ended.
 struct Tie {
-  std::uint32_t count = 1;  ///< ties, each with an error of its own
-  Real error = 0;           ///< [m] of the place, by the headings before
+  std::uint32_t readings = 1;  ///< of the autopilot's heading, each with an error of its own, that it rests on
+  Real error = 0;              ///< [m] of the place, by the headings before
 };
 
 /// How long a set-point sent now takes until the vehicle answers it, beyond the way over the link, which is measured
