@@ -85,8 +85,9 @@ void add_replay_command(CLI::App& app, Command& chosen) {
   command->add_option("log", options->log, "Flight log (.ulg) of 'companion --log' or 'swiftlet fly --log'")
       ->required();
   command
-      ->add_option("--map", options->maps,
-                   "Map that it was flown in, and further ones that it was given under way, in place of those it names")
+      ->add_option(
+          "--map", options->maps,
+          "Map that it was flown in, and further ones that it was given under way, in place of those the log names")
       ->allow_extra_args(false);
   command->callback([options, &chosen] { chosen = [options] { return run_replay(*options); }; });
 }
