@@ -1,7 +1,5 @@
 #include "swiftlet/trigonometry.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 

@@ -5,15 +5,11 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <optional>
-#include <vector>
+#include <utility>
 
 #include "board_config.hpp"
-#include "map/map_builder.hpp"
-#include "map/voxel_map.hpp"
-#include "swiftlet/planner.hpp"
+#include "harness/reference_map.hpp"
 #include "swiftlet/storage.hpp"
-#include "world/worlds.hpp"
 
 namespace swiftlet::tools {
 namespace {
@@ -28,50 +24,33 @@ Real limit(std::size_t step) { return Real(0.5) * std::pow(Real(20), static_cast
 class RaisedLimits : public testing::Test {
  protected:
   void SetUp() override {
-    const World maze = make_maze(1);
-    const std::string bt = to_bt(maze.grid);
-    const auto voxels = parse_octree("maze", std::as_bytes(std::span(bt)));
-    ASSERT_TRUE(voxels);
-    MapBuildOptions options;
-    options.radius = maze.radius;
-    auto built = build_map(*voxels, "maze", options, [](std::string_view, double) {});
-    ASSERT_TRUE(built);
-    blob_ = std::move(built->blob);
-    map_ = *BoxGraphView::open(blob_);
-    const auto queries = make_queries(maze, 1, kQueries.back() + 1);
-    for (const std::size_t k : kQueries) {
-      const auto start = maze.grid.centre(queries[k].start);
-      const auto goal = maze.grid.centre(queries[k].goal);
-      PlanRequest request;
-      request.start.position = {start[0], start[1], start[2]};
-      request.goal.position = {goal[0], goal[1], goal[2]};
-      requests_.push_back(request);
-    }
+    auto maze = test::world_site("maze", make_maze(1), 1);
+    ASSERT_TRUE(maze);
+    maze_ = std::move(*maze);
   }
 
   void expect_no_step_slower(std::size_t query, Real v_max, Real a_max, Real& before) {
-    PlanRequest request = requests_[query];
+    PlanRequest request;
+    request.start.position = maze_.queries[query].start;
+    request.goal.position = maze_.queries[query].goal;
     request.v_max = v_max;
     request.a_max = a_max;
-    const Plan& plan = planner_.plan(map_, request);
+    const Plan& plan = planner_.plan(maze_.graph, request);
     ASSERT_EQ(plan.status, Status::kOk);
     const Real duration = total_duration(plan.segments);
     if (before > 0) {
-      EXPECT_LT(duration, (1 + kSlower) * before)
-          << "query " << kQueries[query] << ", limits " << v_max << " and " << a_max;
+      EXPECT_LT(duration, (1 + kSlower) * before) << "query " << query << ", limits " << v_max << " and " << a_max;
     }
     before = duration;
   }
 
-  std::vector<std::byte> blob_;
-  BoxGraphView map_;
-  std::vector<PlanRequest> requests_;
+  test::SearchSite maze_;
   std::unique_ptr<PlannerStorage<kBoard>> storage_ = std::make_unique<PlannerStorage<kBoard>>();
   Planner planner_{storage_->spans()};
 };
 
 TEST_F(RaisedLimits, OfSpeedMakeNoPlanSlower) {
-  for (std::size_t query = 0; query < kQueries.size(); ++query) {
+  for (const std::size_t query : kQueries) {
     for (const std::size_t a : {0, 6, 11}) {
       Real before = 0;
       for (std::size_t v = 0; v < kSteps; ++v) expect_no_step_slower(query, limit(v), limit(a), before);
@@ -80,7 +59,7 @@ TEST_F(RaisedLimits, OfSpeedMakeNoPlanSlower) {
 }
 
 TEST_F(RaisedLimits, OfAccelerationMakeNoPlanSlower) {
-  for (std::size_t query = 0; query < kQueries.size(); ++query) {
+  for (const std::size_t query : kQueries) {
     for (const std::size_t v : {3, 11}) {
       Real before = 0;
       for (std::size_t a = 0; a < kSteps; ++a) expect_no_step_slower(query, limit(v), limit(a), before);
