@@ -274,6 +274,15 @@ QuinticEnds segment_ends(const AxisProblem& problem, std::size_t segment, std::s
   return ends;
 }
 
+void unscale(const AxisProblem& problem, std::span<const Real> unknowns, std::span<Real> states) {
+  for (std::size_t k = 0; k < problem.scales.size(); ++k) {
+    const Real h = problem.scales[k];
+    states[kBlockSize * k] = unknowns[kBlockSize * k];
+    states[kBlockSize * k + 1] = unknowns[kBlockSize * k + 1] / h;
+    states[kBlockSize * k + 2] = unknowns[kBlockSize * k + 2] / (h * h);
+  }
+}
+
 QpRow extremum_row(const AxisProblem& problem, std::size_t segment, int derivative, Real tau, Real sign, Real bound) {
   const Real T = problem.durations[segment];
   Real unit = sign;

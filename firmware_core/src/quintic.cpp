@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace swiftlet {
 namespace {
@@ -26,45 +27,87 @@ constexpr std::array<std::array<Real, 6>, 3> kFalling{{
     {0, 0, 2, 6, 12, 20},
 }};
 
-struct Polynomial {
-  std::array<Real, 6> c{};
-  int degree = 0;
+template <std::size_t kOrder>
+using Polynomial = std::array<Real, kOrder + 1>;
 
-  [[nodiscard]] Real operator()(Real x) const {
-    Real value = c[static_cast<std::size_t>(degree)];
-    for (int j = degree - 1; j >= 0; --j) value = value * x + c[static_cast<std::size_t>(j)];
-    return value;
-  }
-};
+template <std::size_t kOrder>
+Real value_at(const Polynomial<kOrder>& p, Real x) {
+  Real value = p[kOrder];
+  for (std::size_t j = kOrder; j-- > 0;) value = value * x + p[j];
+  return value;
+}
 
-Polynomial differentiate(const Polynomial& p) {
-  Polynomial d;
-  d.degree = p.degree - 1;
-  for (int j = 1; j <= p.degree; ++j) {
-    d.c[static_cast<std::size_t>(j - 1)] = p.c[static_cast<std::size_t>(j)] * static_cast<Real>(j);
-  }
-  return d;
+template <std::size_t kOrder>
+Polynomial<kOrder - 1> differentiate(const Polynomial<kOrder>& p) {
+  Polynomial<kOrder - 1> slope;
+  for (std::size_t j = 1; j <= kOrder; ++j) slope[j - 1] = p[j] * static_cast<Real>(j);
+  return slope;
 }
 
 // A Newton step as short as this leaves its square; in float only rounding is small enough.
 constexpr Real kSettled = sizeof(Real) == 8 ? Real(1e-8) : std::numeric_limits<Real>::epsilon();
 
-/// The root of p in [a, b], where p is monotone and changes sign: Newton steps kept inside the bracket by bisection.
-Real bracketed_root(const Polynomial& p, const Polynomial& slope, Real a, Real b) {
+struct Point {
+  Real x;
+  Real value;
+};
+
+/// The root of p between two points, where p is monotone and changes sign: Newton steps kept inside the bracket by
+/// bisection. They start in the middle: at either end the slope may be zero.
+template <std::size_t kOrder>
+Real bracketed_root(const Polynomial<kOrder>& p, const Polynomial<kOrder - 1>& slope, Point low, Point high) {
   constexpr int kSteps = 80;  // bisection alone needs 53
-  const bool rising = p(a) < p(b);
+  Real a = low.x;
+  Real b = high.x;
+  const bool rising = high.value > 0;
   Real x = (a + b) / 2;
   for (int step = 0; step < kSteps; ++step) {
-    const Real value = p(x);
+    const Real value = value_at<kOrder>(p, x);
     if (value == 0) return x;
     ((value > 0) == rising ? b : a) = x;
-    const Real d = slope(x);
+    const Real d = value_at<kOrder - 1>(slope, x);
     Real next = d != 0 ? x - value / d : a - 1;
     if (!(next > a && next < b)) next = (a + b) / 2;
     if (std::fabs(next - x) <= kSettled) return next;
     x = next;
   }
   return x;
+}
+
+/// The roots of the third derivative in [0, 1], ascending.
+CriticalPoints roots_of_jerk(const Quintic& quintic) {
+  const Real c = quintic[3];
+  const Real b = 2 * quintic[4];  // half the coefficient of tau, all over 6
+  const Real a = 10 * quintic[5];
+  const Real discriminant = b * b - a * c;
+  CriticalPoints roots;
+  if (!(discriminant >= 0)) return roots;
+  const Real q = b < 0 ? std::sqrt(discriminant) - b : -std::sqrt(discriminant) - b;
+  // q / a and c / q, of which a division by zero gives neither.
+  Real first = q / a;
+  Real second = c / q;
+  if (second < first) std::swap(first, second);
+  for (const Real tau : {first, second}) {
+    if (tau >= 0 && tau <= 1) roots.tau[roots.count++] = tau;
+  }
+  return roots;
+}
+
+/// The roots of p in [0, 1], ascending, given those of its slope: between two of them p is monotone.
+template <std::size_t kOrder>
+CriticalPoints roots_between(const Polynomial<kOrder>& p, const Polynomial<kOrder - 1>& slope,
+                             const CriticalPoints& bends) {
+  CriticalPoints roots;
+  Point a{0, p[0]};
+  for (std::size_t i = 0; i <= bends.count; ++i) {
+    const Real end = i < bends.count ? bends.tau[i] : Real(1);
+    const Point b{end, value_at<kOrder>(p, end)};
+    if ((a.value > 0) != (b.value > 0) && a.x < b.x && roots.count < roots.tau.size()) {
+      roots.tau[roots.count++] = bracketed_root<kOrder>(p, slope, a, b);
+    }
+    a = b;
+  }
+  return roots;
 }
 
 }  // namespace
@@ -83,25 +126,13 @@ Real quintic_value(const Quintic& quintic, int derivative, Real tau) {
 }
 
 CriticalPoints critical_points(const Quintic& quintic, int derivative) {
-  // Each derivative is monotone between the roots of the next one, so roots are found from the linear one upwards.
-  std::array<Polynomial, 5> chain;  // chain[d] is the (d + 1)-th derivative, degree 4 - d
-  chain[0] = differentiate({quintic, kDegree});
-  for (std::size_t d = 1; d < chain.size(); ++d) chain[d] = differentiate(chain[d - 1]);
-  CriticalPoints roots;
-  for (std::size_t d = chain.size() - 1; d-- > static_cast<std::size_t>(derivative);) {
-    const CriticalPoints bends = roots;
-    roots.count = 0;
-    Real a = 0;
-    for (std::size_t i = 0; i <= bends.count; ++i) {
-      const Real b = i < bends.count ? bends.tau[i] : Real(1);
-      const bool changes_sign = (chain[d](a) > 0) != (chain[d](b) > 0);
-      if (changes_sign && a < b && roots.count < roots.tau.size()) {
-        roots.tau[roots.count++] = bracketed_root(chain[d], chain[d + 1], a, b);
-      }
-      a = b;
-    }
-  }
-  return roots;
+  const CriticalPoints of_acceleration = roots_of_jerk(quintic);
+  if (derivative == 2) return of_acceleration;
+  const Polynomial<4> velocity = differentiate<5>(quintic);
+  const Polynomial<3> acceleration = differentiate<4>(velocity);
+  const Polynomial<2> jerk = differentiate<3>(acceleration);
+  const CriticalPoints of_velocity = roots_between<3>(acceleration, jerk, of_acceleration);
+  return derivative == 1 ? of_velocity : roots_between<4>(velocity, acceleration, of_velocity);
 }
 
 }  // namespace swiftlet

@@ -54,7 +54,7 @@ class Refinement {
         overshoots_(spans.overshoots.first(durations.size())),
         segments_(segments.first(durations.size())),
         report_(report),
-        last_work_(3 * kWorkOfSetUp * durations.size()) {}
+        last_work_(kWorkOfSetUp * (3 * durations.size())) {}
 
   Status run() {
     if (options_.work > 0) improve();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "swiftlet/axis_bounds.hpp"
+#include "swiftlet/block_pivoting.hpp"
 #include "swiftlet/min_jerk.hpp"
 #include "swiftlet/quintic.hpp"
 
@@ -10,74 +12,40 @@ namespace swiftlet {
 namespace {
 
 constexpr std::uint32_t kSweepLimit = 60;  // sweeps over all segments
-// Two active rows of one kind this close together (in normalised time) hold one extremum between them. Adding a third
-// there would only halve the gap; the one row that stands for both lies at their multipliers' centre of gravity, to
-// second order in the gap. Sweeps beyond kMergingSweeps keep all rows, in case two points of one kind are needed side
-// by side.
-constexpr Real kSameExtremum = Real(0.2);
+// Two rows that hold one extremum are merged when a third comes (holds_same_extremum). Sweeps beyond kMergingSweeps
+// keep all rows, in case two points of one kind are needed side by side.
 constexpr std::uint32_t kMergingSweeps = 20;
 constexpr std::uint32_t kJointRounds = 40;  // of gates together; the longest corridors measured take 25
 constexpr Real kGateTolerance = Real(1e-6);
 
-/// Where a row comes from; labels carry it through the solver.
-struct RowPlace {
-  std::size_t place;   // segment, or junction of a gate
-  std::uint32_t what;  // derivative, or kGate
-  Real sign;
-  Real tau;
-};
-constexpr std::uint32_t kGate = 3;
-
-QpLabel to_label(const RowPlace& at) {
-  return {static_cast<std::uint32_t>(at.place) << 3U | at.what << 1U | (at.sign > 0 ? 1U : 0U), at.tau};
+/// Sweeps of block pivoting. The longest search that settled took 14 at 10 segments, 42 at 40, 48 at 80 and 55 at 320
+/// with durations to spare (throw-away count over 560 corridors like those of tests/bench/qp); at the edge of
+/// feasibility some take 150, where the dual method is as fast.
+std::uint32_t sweep_limit(const AxisBounds& bounds) {
+  const auto segments = static_cast<std::uint32_t>(bounds.axis.segment_count());
+  return std::min(60 + segments / 4, bounds.problem->effort.most_steps / kWorkOfSweep);
 }
 
-RowPlace to_place(const QpLabel& label) {
-  return {label.kind >> 3U, label.kind >> 1U & 3U, (label.kind & 1U) != 0 ? Real(1) : Real(-1), label.where};
-}
-
-/// One axis of a problem with its bounds, relative to the low corner of the first box.
-struct AxisBounds {
-  const TrajectoryProblem* problem;
-  AxisProblem axis;
-  Margins margins;
-
-  [[nodiscard]] Eigen::Index row() const { return static_cast<Eigen::Index>(axis.axis); }
-  [[nodiscard]] Real lower(std::size_t segment, int derivative) const {
-    if (derivative == 0) return problem->boxes[segment].lo[row()] - axis.reference;
-    return -upper(segment, derivative);
-  }
-  [[nodiscard]] Real upper(std::size_t segment, int derivative) const {
-    if (derivative == 0) return problem->boxes[segment].hi[row()] - axis.reference;
-    return derivative == 1 ? problem->v_max[row()] : problem->a_max[row()];
-  }
-  [[nodiscard]] Real margin(int derivative) const {
-    return derivative == 0 ? margins.position : derivative == 1 ? margins.velocity : margins.acceleration;
-  }
-};
-
-/// Rows that one axis may add and drop.
-std::uint32_t step_limit(const AxisBounds& bounds) {
+/// Rows that the dual method may add and drop on one axis, when the search before it was worth `used` steps.
+std::uint32_t step_limit(const AxisBounds& bounds, std::uint32_t used) {
   const auto segments = static_cast<std::uint32_t>(bounds.axis.segment_count());
   const SolveEffort& effort = bounds.problem->effort;
-  return std::min(effort.steps_per_segment * segments + 100, effort.most_steps);
+  return std::min(effort.steps_per_segment * segments + 100, effort.most_steps - std::min(used, effort.most_steps));
 }
 
-/// The row of a bound at a point, its margin inside (eq. 9, 10, 14, 15).
+/// The row of a bound at a point (eq. 9, 10, 14, 15).
 QpRow bound_row(const AxisBounds& bounds, const RowPlace& at) {
   QpRow row;
   if (at.what == kGate) {
     row = gate_row(at.place, at.sign, at.sign > 0 ? bounds.axis.gate_hi(at.place) : bounds.axis.gate_lo(at.place));
   } else {
-    const int derivative = static_cast<int>(at.what);
-    const Real bound = at.sign > 0 ? bounds.upper(at.place, derivative) : bounds.lower(at.place, derivative);
-    row = extremum_row(bounds.axis, at.place, derivative, at.tau, at.sign, bound - at.sign * bounds.margin(derivative));
+    row = extremum_row(bounds.axis, at.place, static_cast<int>(at.what), at.tau, at.sign, bounds.target(at));
   }
   row.label = to_label(at);
   return row;
 }
 
-AxisBounds axis_bounds(const TrajectoryProblem& problem, std::span<const Real> scales, std::size_t axis,
+AxisBounds axis_bounds(const TrajectoryProblem& problem, const TrajectorySpans& spans, std::size_t axis,
                        const Margins& margins) {
   const auto row = static_cast<Eigen::Index>(axis);
   const Real reference = problem.boxes[0].lo[row];
@@ -85,7 +53,7 @@ AxisBounds axis_bounds(const TrajectoryProblem& problem, std::span<const Real> s
   bounds.axis = {
       axis,
       problem.durations,
-      scales,
+      spans.scales.first(problem.gates.size()),
       problem.gates,
       {problem.start.position[row] - reference, problem.start.velocity[row], problem.start.acceleration[row]},
       {problem.goal.position[row] - reference, problem.goal.velocity[row], problem.goal.acceleration[row]},
@@ -128,94 +96,6 @@ bool is_well_posed(const TrajectoryProblem& problem, std::span<Segment> segments
   return true;
 }
 
-struct Range {
-  Real least;
-  Real most;
-  void add(Real value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
-  }
-  [[nodiscard]] bool lies_in(const Range& outer) const { return least >= outer.least && most <= outer.most; }
-};
-
-/// Range of the first `count` Bernstein control points.
-Range hull(const std::array<Real, 6>& points, std::size_t count) {
-  Range range{points[0], points[0]};
-  for (std::size_t i = 1; i < count; ++i) range.add(points[i]);
-  return range;
-}
-
-/// Range of the control points of the two halves (de Casteljau).
-Range hull_of_halves(std::array<Real, 6> points, std::size_t count) {
-  Range range{points[0], points[0]};
-  for (; count > 0; --count) {
-    range.add(points[0]);
-    range.add(points[count - 1]);
-    for (std::size_t i = 0; i + 1 < count; ++i) points[i] = (points[i] + points[i + 1]) / 2;
-  }
-  return range;
-}
-
-/// The bound that the segment exceeds most, relative to the bound's own scale; excess 0 when it keeps them all.
-class SegmentSweep {
- public:
-  SegmentSweep(const AxisBounds& bounds, std::size_t segment, std::span<const Real> unknowns)
-      : bounds_(bounds), segment_(segment), ends_(segment_ends(bounds.axis, segment, unknowns)) {}
-
-  Violation worst() {
-    // Control points of the derivatives by differences. Inside its bounds they, or those of its halves, prove that no
-    // extremum violates: the cheap reject that most segments take.
-    std::array<Real, 6> points = quintic_control_points(ends_);
-    const Real rate = 1 / bounds_.axis.durations[segment_];
-    const Real tolerance = bounds_.problem->effort.tolerance;
-    std::size_t count = points.size();
-    for (int derivative = 0; derivative <= 2; ++derivative) {
-      const Range allowed{bounds_.lower(segment_, derivative) - tolerance,
-                          bounds_.upper(segment_, derivative) + tolerance};
-      if (!hull(points, count).lies_in(allowed) && !hull_of_halves(points, count).lies_in(allowed)) {
-        check_extrema(derivative);
-      }
-      const Real factor = static_cast<Real>(--count) * rate;
-      for (std::size_t i = 0; i < count; ++i) points[i] = factor * (points[i + 1] - points[i]);
-    }
-    return worst_;
-  }
-
- private:
-  void check_extrema(int derivative) {
-    const Quintic quintic = quintic_from_ends(ends_);
-    const CriticalPoints inner = critical_points(quintic, derivative);
-    for (std::size_t i = 0; i < inner.count; ++i) check(quintic, derivative, inner.tau[i]);
-    // Junctions: once, from the segment on their right; the two ends of the trajectory belong to their only segment.
-    check(quintic, derivative, 0);
-    if (segment_ + 1 == bounds_.axis.segment_count()) check(quintic, derivative, 1);
-  }
-
-  void check(const Quintic& quintic, int derivative, Real tau) {
-    Real value = quintic_value(quintic, derivative, tau);
-    for (int d = 0; d < derivative; ++d) value /= bounds_.axis.durations[segment_];
-    const Real lo = bounds_.lower(segment_, derivative);
-    const Real hi = bounds_.upper(segment_, derivative);
-    const Real excess = std::max(value - hi, lo - value);
-    const Real scale = derivative == 0 ? Real(1) : hi;
-    if (!(excess > bounds_.problem->effort.tolerance) || excess / scale <= worst_ratio_) return;
-    worst_ratio_ = excess / scale;
-    const bool above = value - hi >= lo - value;
-    worst_ = {static_cast<std::uint32_t>(segment_),
-              static_cast<std::uint8_t>(derivative),
-              tau,
-              above ? Real(1) : Real(-1),
-              above ? hi : lo,
-              excess};
-  }
-
-  const AxisBounds& bounds_;
-  std::size_t segment_;
-  QuinticEnds ends_;
-  Violation worst_;
-  Real worst_ratio_ = 0;
-};
-
 /// Eq. 10 without its margin: how far the point of a violation is beyond the bound by now.
 Real remaining_excess(const AxisBounds& bounds, const Violation& violation, std::span<const Real> unknowns) {
   const QpRow row = extremum_row(bounds.axis, violation.segment, violation.derivative, violation.tau, violation.sign,
@@ -223,20 +103,41 @@ Real remaining_excess(const AxisBounds& bounds, const Violation& violation, std:
   return row_value(row, unknowns) - row.bound;
 }
 
-/// The solve of one axis: gates first, then extrema, until no bound is exceeded.
-class AxisSolve {
+/// Start and goal states are constants: no row can help where one is beyond its bound, which this returns.
+Violation end_violation(const AxisBounds& bounds) {
+  const auto last = static_cast<std::uint32_t>(bounds.axis.segment_count() - 1);
+  for (std::uint8_t derivative = 0; derivative <= 2; ++derivative) {
+    for (const bool at_goal : {false, true}) {
+      const std::uint32_t segment = at_goal ? last : 0;
+      const Real value = (at_goal ? bounds.axis.goal : bounds.axis.start)[derivative];
+      const Real above = value - bounds.upper(segment, derivative);
+      const Real below = bounds.lower(segment, derivative) - value;
+      if (std::max(above, below) <= bounds.tolerance()) continue;
+      return {segment,
+              derivative,
+              at_goal ? Real(1) : Real(0),
+              above > below ? Real(1) : Real(-1),
+              value,
+              std::max(above, below)};
+    }
+  }
+  return {};
+}
+
+/// The dual active-set solve of one axis: gates first, then extrema, until no bound is exceeded.
+class DualSolve {
  public:
   /// `most_cost`: when the axis must cost more than this, the solve ends with kIterationLimit.
-  AxisSolve(const AxisBounds& bounds, const TrajectorySpans& spans, Real most_cost)
+  DualSolve(const AxisBounds& bounds, const TrajectorySpans& spans, std::uint32_t most_steps, Real most_cost)
       : bounds_(bounds),
         violations_(spans.violations),
+        states_(spans.states),
         most_cost_(most_cost),
         unconstrained_cost_(factor_jerk_cost(bounds.axis, spans.qp.factor, spans.qp.optimum)),
-        solver_(spans.qp, bounds.axis.segment_count() - 1, step_limit(bounds)) {}
+        solver_(spans.qp, bounds.axis.segment_count() - 1, most_steps) {}
 
   /// `labels`: rows to start from.
   Status run(std::span<const QpLabel> labels) {
-    if (!ends_are_inside()) return Status::kInfeasible;
     if (const Status status = start_from(labels); status != Status::kOk) return status;
     for (std::uint32_t sweep = 0; sweep < kSweepLimit; ++sweep) {
       if (const Status status = enforce_gates(); status != Status::kOk) return status;
@@ -250,14 +151,23 @@ class AxisSolve {
     return Status::kIterationLimit;
   }
 
-  [[nodiscard]] const DualActiveSet& solver() const { return solver_; }
+  [[nodiscard]] std::uint32_t iterations() const { return solver_.iterations(); }
+  [[nodiscard]] std::size_t active_count() const { return solver_.active_count(); }
+  [[nodiscard]] Real residual() const { return solver_.residual(); }
   [[nodiscard]] const Violation& last() const { return last_; }
   [[nodiscard]] std::uint32_t rows_added() const { return rows_added_; }
   /// Of the solution; under way a lower bound, since more rows only cost more [m^2/s^5].
   [[nodiscard]] Real cost() const { return unconstrained_cost_ + solver_.distance2(); }
+  [[nodiscard]] std::span<const Real> states() const { return states_; }
+  template <class Visit>
+  void for_each_active(const Visit& visit) const {
+    for (std::size_t j = 0; j < solver_.active_count(); ++j) {
+      visit(solver_.active_rows()[j].label, solver_.multipliers()[j]);
+    }
+  }
 
  private:
-  [[nodiscard]] Real tolerance() const { return bounds_.problem->effort.tolerance; }
+  [[nodiscard]] Real tolerance() const { return bounds_.tolerance(); }
 
   /// Rows of an earlier solve, rebuilt for this one's durations.
   Status start_from(std::span<const QpLabel> labels) {
@@ -270,28 +180,6 @@ class AxisSolve {
   /// `status` of a step of the solver, unless the solution has become too dear.
   [[nodiscard]] Status affordable(Status status) const {
     return status == Status::kOk && cost() > most_cost_ ? Status::kIterationLimit : status;
-  }
-
-  /// Start and goal states are constants: no row can help where one is beyond its bound.
-  bool ends_are_inside() {
-    const auto last = static_cast<std::uint32_t>(bounds_.axis.segment_count() - 1);
-    for (std::uint8_t derivative = 0; derivative <= 2; ++derivative) {
-      for (const bool at_goal : {false, true}) {
-        const std::uint32_t segment = at_goal ? last : 0;
-        const Real value = (at_goal ? bounds_.axis.goal : bounds_.axis.start)[derivative];
-        const Real above = value - bounds_.upper(segment, derivative);
-        const Real below = bounds_.lower(segment, derivative) - value;
-        if (std::max(above, below) <= tolerance()) continue;
-        last_ = {segment,
-                 derivative,
-                 at_goal ? Real(1) : Real(0),
-                 above > below ? Real(1) : Real(-1),
-                 value,
-                 std::max(above, below)};
-        return false;
-      }
-    }
-    return true;
   }
 
   Status enforce(const QpRow& row, const Violation& violation) {
@@ -318,8 +206,7 @@ class AxisSolve {
     const std::span<const QpRow> active = solver_.active_rows();
     Pair pair;
     for (std::size_t j = 0; j < active.size(); ++j) {
-      if (active[j].label.kind != label.kind || std::fabs(active[j].label.where - label.where) > kSameExtremum)
-        continue;
+      if (!holds_same_extremum(active[j].label, label)) continue;
       (pair.count++ == 0 ? pair.first : pair.second) = j;
     }
     return pair;
@@ -382,10 +269,12 @@ class AxisSolve {
 
   /// The worst violation of each segment that has one, most exceeded first.
   std::size_t find_violations() {
+    unscale(bounds_.axis, solver_.solution(), states_);
+    const SegmentSweep sweep(bounds_);
     std::size_t count = 0;
     for (std::size_t i = 0; i < bounds_.axis.segment_count(); ++i) {
-      const Violation violation = SegmentSweep(bounds_, i, solver_.solution()).worst();
-      if (violation.excess == 0) continue;
+      Violation violation;
+      if (!sweep.find_worst(i, state_ends(bounds_.axis, i, states_), violation)) continue;
       std::size_t place = count++;
       for (; place > 0 && violations_[place - 1].excess < violation.excess; --place) {
         violations_[place] = violations_[place - 1];
@@ -406,6 +295,7 @@ class AxisSolve {
 
   const AxisBounds& bounds_;
   std::span<Violation> violations_;
+  std::span<Real> states_;  // of the solution when violations were last sought
   Real most_cost_;
   Real unconstrained_cost_;
   DualActiveSet solver_;
@@ -414,72 +304,122 @@ class AxisSolve {
   bool merging_ = false;
 };
 
-void emit_axis(const AxisBounds& bounds, std::span<const Real> unknowns, std::span<Segment> segments) {
+void emit_axis(const AxisBounds& bounds, std::span<const Real> states, std::span<Segment> segments) {
   for (std::size_t i = 0; i < bounds.axis.segment_count(); ++i) {
-    const Quintic quintic = quintic_from_ends(segment_ends(bounds.axis, i, unknowns));
-    const Real T = bounds.axis.durations[i];
+    const Quintic quintic = quintic_from_ends(state_ends(bounds.axis, i, states));
+    const Real rate = 1 / bounds.axis.durations[i];
     std::array<Real, kQuinticTerms>& c = segments[i].coefficients[bounds.axis.axis];
     Real unit = 1;
     for (std::size_t j = 0; j < kQuinticTerms; ++j) {
-      c[j] = quintic[j] / unit;
-      unit *= T;
+      c[j] = quintic[j] * unit;
+      unit *= rate;
     }
     c[0] += bounds.axis.reference;
-    segments[i].duration = T;
+    segments[i].duration = bounds.axis.durations[i];
   }
 }
 
 /// Adds the derivative of the optimal cost by each duration: that of a minimum-jerk arc between fixed states, which is
 /// minus its conserved quantity jerk^2 - 2 acceleration snap + 2 velocity crackle, and that of each active row times
 /// its multiplier.
-void add_gradient(const AxisBounds& bounds, const DualActiveSet& solver, std::span<Real> gradient) {
-  const std::span<const Real> unknowns = solver.solution();
+template <class Solver>
+void add_gradient(const AxisBounds& bounds, const Solver& solver, std::span<Real> gradient) {
+  const std::span<const Real> states = solver.states();
   for (std::size_t i = 0; i < bounds.axis.segment_count(); ++i) {
     const Real T = bounds.axis.durations[i];
-    const Quintic c = quintic_from_ends(segment_ends(bounds.axis, i, unknowns));
+    const Quintic c = quintic_from_ends(state_ends(bounds.axis, i, states));
     gradient[i] -= (36 * c[3] * c[3] - 96 * c[2] * c[4] + 240 * c[1] * c[5]) / (T * T * T * T * T * T);
   }
-  for (std::size_t j = 0; j < solver.active_count(); ++j) {
-    const RowPlace at = to_place(solver.active_rows()[j].label);
-    if (at.what == kGate) continue;
+  solver.for_each_active([&](const QpLabel& label, Real multiplier) {
+    const RowPlace at = to_place(label);
+    if (at.what == kGate) return;
     const Real T = bounds.axis.durations[at.place];
-    const QuinticEnds ends = segment_ends(bounds.axis, at.place, unknowns);
+    const QuinticEnds ends = state_ends(bounds.axis, at.place, states);
     const QuinticEnds basis = quintic_basis(static_cast<int>(at.what), at.tau);
     Real slope = 0;
     for (std::size_t k = 0; k < ends.size(); ++k) {
       slope += (static_cast<Real>(k % kBlockSize) - static_cast<Real>(at.what)) * basis[k] * ends[k];
     }
     for (std::uint32_t d = 0; d <= at.what; ++d) slope /= T;
-    // The solver minimises half the cost.
-    gradient[at.place] += 2 * solver.multipliers()[j] * at.sign * slope;
-  }
+    // The solvers minimise half the cost.
+    gradient[at.place] += 2 * multiplier * at.sign * slope;
+  });
 }
 
-void keep_labels(const DualActiveSet& solver, std::span<QpLabel> labels, std::size_t& count) {
-  count = std::min(labels.size(), solver.active_count());
-  for (std::size_t j = 0; j < count; ++j) labels[j] = solver.active_rows()[j].label;
+/// Fills `labels` with the active rows, as far as there is room; returns those filled.
+template <class Solver>
+std::span<const QpLabel> keep_labels(const Solver& solver, std::span<QpLabel> labels) {
+  std::size_t count = 0;
+  solver.for_each_active([&](const QpLabel& label, Real) {
+    if (count < labels.size()) labels[count++] = label;
+  });
+  return labels.first(count);
 }
 
-Status solve_axis(const AxisBounds& bounds, const TrajectorySpans& spans, std::span<Segment> segments,
-                  TrajectoryReport& report, WarmStart* warm, std::span<Real> gradient) {
-  AxisSolve solve(bounds, spans, bounds.problem->effort.most_cost - report.cost);
-  const std::size_t axis = bounds.axis.axis;
-  const Status status = solve.run(warm ? warm->labels[axis].first(warm->count[axis]) : std::span<QpLabel>{});
-  report.qp_iterations += solve.solver().iterations();
-  report.constraints_added += solve.rows_added();
-  report.work += bounds.axis.segment_count() * (kWorkOfSetUp + solve.solver().iterations());
-  if (status != Status::kOk) {
-    const Violation& v = solve.last();
-    report.blocking = {v.segment, static_cast<std::uint8_t>(axis), static_cast<BoundKind>(v.derivative), v.excess, 0};
-    return status;
+void report_blocking(const AxisBounds& bounds, const Violation& v, TrajectoryReport& report) {
+  report.blocking = {v.segment, static_cast<std::uint8_t>(bounds.axis.axis), static_cast<BoundKind>(v.derivative),
+                     v.excess, 0};
+}
+
+/// Where the results of an axis go.
+struct Output {
+  std::span<Segment> segments;
+  TrajectoryReport& report;
+  WarmStart* warm;
+  std::span<Real> gradient;
+};
+
+/// What an axis leaves when it is solved: polynomials, figures, the rows for a warm start, the gradient.
+template <class Solver>
+void emit(const AxisBounds& bounds, const Solver& solver, const Output& out) {
+  out.report.cost += solver.cost();
+  out.report.active += static_cast<std::uint32_t>(solver.active_count());
+  out.report.residual = std::max(out.report.residual, solver.residual());
+  emit_axis(bounds, solver.states(), out.segments);
+  if (out.warm) {
+    const std::size_t axis = bounds.axis.axis;
+    out.warm->count[axis] = keep_labels(solver, out.warm->labels[axis]).size();
   }
-  report.cost += solve.cost();
-  report.active += static_cast<std::uint32_t>(solve.solver().active_count());
-  report.residual = std::max(report.residual, solve.solver().residual());
-  emit_axis(bounds, solve.solver().solution(), segments);
-  if (warm) keep_labels(solve.solver(), warm->labels[axis], warm->count[axis]);
-  if (!gradient.empty()) add_gradient(bounds, solve.solver(), gradient);
+  if (!out.gradient.empty()) add_gradient(bounds, solver, out.gradient);
+}
+
+/// What block pivoting leaves open, decided by the dual active-set method from the last set.
+Status solve_dually(const AxisBounds& bounds, const TrajectorySpans& spans, const BlockPivoting& pivoting,
+                    Real most_cost, const Output& out) {
+  const std::span<const QpLabel> last_set = keep_labels(pivoting, spans.labels);
+  junction_scales(bounds.axis.durations, spans.scales);
+  const std::uint32_t used = kWorkOfSweep * pivoting.sweeps() + kWorkOfSetUp;
+  DualSolve dual(bounds, spans, step_limit(bounds, used), most_cost);
+  const Status status = dual.run(last_set);
+  out.report.qp_iterations += dual.iterations();
+  out.report.constraints_added += dual.rows_added();
+  out.report.work += bounds.axis.segment_count() * (kWorkOfSetUp + dual.iterations());
+  if (status == Status::kOk) {
+    emit(bounds, dual, out);
+  } else {
+    report_blocking(bounds, dual.last(), out.report);
+  }
   return status;
+}
+
+Status solve_axis(const AxisBounds& bounds, const TrajectorySpans& spans, const Output& out) {
+  const std::size_t count = bounds.axis.segment_count();
+  const std::size_t axis = bounds.axis.axis;
+  const Real most_cost = bounds.problem->effort.most_cost - out.report.cost;
+  out.report.work += count * kWorkOfSetUp;
+  if (const Violation beyond = end_violation(bounds); beyond.excess > 0) {
+    report_blocking(bounds, beyond, out.report);
+    return Status::kInfeasible;
+  }
+  BlockPivoting pivoting(bounds, spans, sweep_limit(bounds), most_cost);
+  const std::optional<Status> status =
+      pivoting.run(out.warm ? out.warm->labels[axis].first(out.warm->count[axis]) : std::span<QpLabel>{});
+  out.report.qp_iterations += pivoting.sweeps();
+  out.report.constraints_added += pivoting.rows_added();
+  out.report.work += count * kWorkOfSweep * pivoting.sweeps();
+  if (status == Status::kOk) emit(bounds, pivoting, out);
+  if (status) return *status;
+  return solve_dually(bounds, spans, pivoting, most_cost, out);
 }
 
 }  // namespace
@@ -490,15 +430,14 @@ Status generate_trajectory(const TrajectoryProblem& problem, const TrajectorySpa
   if (problem.boxes.size() > spans.violations.size()) return Status::kCorridorCapacity;
   report = {};
   std::fill(gradient.begin(), gradient.end(), Real(0));
-  const std::span<Real> scales = spans.scales.first(problem.gates.size());
-  junction_scales(problem.durations, scales);
   const Margins& margins = problem.margins;
   const bool has_margins = margins.position > 0 || margins.velocity > 0 || margins.acceleration > 0;
+  const Output out{segments, report, warm, gradient};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Status status = solve_axis(axis_bounds(problem, scales, axis, margins), spans, segments, report, warm, gradient);
+    Status status = solve_axis(axis_bounds(problem, spans, axis, margins), spans, out);
     if (status != Status::kOk && has_margins) {
       // Only without margins is every generated row necessary, and so infeasibility proven.
-      status = solve_axis(axis_bounds(problem, scales, axis, Margins{}), spans, segments, report, warm, gradient);
+      status = solve_axis(axis_bounds(problem, spans, axis, Margins{}), spans, out);
     }
     if (status != Status::kOk) return status;
   }

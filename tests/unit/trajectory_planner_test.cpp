@@ -249,8 +249,8 @@ std::uint64_t hash_of(const RandomFlight& flight, const FittedTrajectory& fitted
 // replace them then, and say in the commit why the answers moved.
 TEST(TrajectoryPlanner, TheBitsOfSixFlightsAreTheSameOnEveryMachine) {
   if (!kIsDouble) return;
-  constexpr std::array<std::uint64_t, 6> kGolden{13455330301399952648U, 1576444930063709917U, 679016512651304827U,
-                                                 4711026494343250214U,  7248164698275153642U, 8038292835048246394U};
+  constexpr std::array<std::uint64_t, 6> kGolden{5481913890347181780U, 1766237847864831791U, 13523600513469333217U,
+                                                 6237782272116697732U, 9351577858123981833U, 15747351365621371859U};
   for (std::size_t seed = 0; seed < kGolden.size(); ++seed) {
     RandomFlight flight(seed);
     if (seed == 2) flight.request.limits.norm = LimitNorm::kEuclidean;

@@ -47,6 +47,17 @@ Real factor_jerk_cost(const AxisProblem& problem, std::span<FactorBlock> factor,
 /// End states of one segment (normalised by its duration), read from the unknowns.
 QuinticEnds segment_ends(const AxisProblem& problem, std::size_t segment, std::span<const Real> unknowns);
 
+/// The same, read from the states (p, v [m/s], a [m/s^2]) at the junctions.
+inline QuinticEnds state_ends(const AxisProblem& problem, std::size_t segment, std::span<const Real> states) {
+  const Real T = problem.durations[segment];
+  const Real* left = segment == 0 ? problem.start.data() : &states[kBlockSize * (segment - 1)];
+  const Real* right = segment + 1 == problem.segment_count() ? problem.goal.data() : &states[kBlockSize * segment];
+  return {left[0], left[1] * T, left[2] * T * T, right[0], right[1] * T, right[2] * T * T};
+}
+
+/// States of the junctions from the unknowns.
+void unscale(const AxisProblem& problem, std::span<const Real> unknowns, std::span<Real> states);
+
 /// The row sign * (derivative 0 to 2 of segment `segment` at normalised time `tau`) <= sign * bound (eq. 10).
 /// `bound` is relative to the reference for positions.
 QpRow extremum_row(const AxisProblem& problem, std::size_t segment, int derivative, Real tau, Real sign, Real bound);

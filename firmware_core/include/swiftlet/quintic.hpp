@@ -27,11 +27,15 @@ QuinticEnds quintic_basis(int derivative, Real tau);
 
 /// Bernstein control points: the quintic lies in their hull.
 inline std::array<Real, 6> quintic_control_points(const QuinticEnds& ends) {
+  constexpr Real kFifth = Real(0.2);
+  constexpr Real kTwentieth = Real(0.05);
+  const Real left = kFifth * ends[1];
+  const Real right = kFifth * ends[4];
   return {ends[0],
-          ends[0] + ends[1] / 5,
-          ends[0] + 2 * ends[1] / 5 + ends[2] / 20,
-          ends[3] - 2 * ends[4] / 5 + ends[5] / 20,
-          ends[3] - ends[4] / 5,
+          ends[0] + left,
+          ends[0] + 2 * left + kTwentieth * ends[2],
+          ends[3] - 2 * right + kTwentieth * ends[5],
+          ends[3] - right,
           ends[3]};
 }
 

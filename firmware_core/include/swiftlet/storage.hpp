@@ -21,7 +21,7 @@ struct BoardMemory {
 };
 
 /// Rows active at once on one axis: every junction against its gate, and a few extrema. Measured (`qp_bench --limits`
-/// of tests/bench/qp): 16 at the optimum of 10 segments, 50 of 40, 83 of 80, 281 of 320, the three axes together.
+/// of tests/bench/qp): 16 at the optimum of 10 segments, 52 of 40, 83 of 80, 281 of 320, the three axes together.
 constexpr std::size_t active_rows(std::size_t segments) { return segments + 16; }
 
 /// Memory of the trajectory stage for up to `kSegments` segments, trivially destructible.
@@ -29,25 +29,55 @@ template <std::size_t kSegments>
 class TrajectoryStorage {
  public:
   TrajectorySpans spans() {
-    return {{factor_, optimum_, solution_, work_, rows_, multipliers_, target_, direction_, gram_factor_},
+    Pivoting& p = solver_.pivoting;
+    Dual& d = solver_.dual;
+    return {{p.hold, p.lo, p.hi, p.excess, p.pull, p.knots, p.spans, p.rows, p.knot_states, p.coupling, p.carried_rows},
+            {d.factor, d.optimum, d.solution, d.work, d.rows, d.multipliers, d.target, d.direction, d.gram_factor},
+            states_,
             scales_,
-            violations_};
+            violations_,
+            labels_};
   }
 
  private:
   static constexpr std::size_t kActive = active_rows(kSegments);
 
-  std::array<FactorBlock, kSegments> factor_;
-  std::array<Real, kBlockSize * kSegments> optimum_;
-  std::array<Real, kBlockSize * kSegments> solution_;
-  std::array<Real, kBlockSize * kSegments> work_;
-  std::array<QpRow, kActive> rows_;
-  std::array<Real, kActive> multipliers_;
-  std::array<Real, kActive> target_;
-  std::array<Real, kActive> direction_;
-  std::array<Real, kActive*(kActive + 1) / 2> gram_factor_;
+  struct Pivoting {
+    std::array<Hold, kSegments> hold;
+    std::array<Real, kSegments> lo;
+    std::array<Real, kSegments> hi;
+    std::array<Real, kSegments> excess;
+    std::array<Real, kSegments> pull;
+    std::array<Knot, kSegments> knots;
+    std::array<KnotSpan, kSegments> spans;
+    std::array<KnotRow, kActive> rows;
+    std::array<Real, kBlockSize * kSegments> knot_states;
+    std::array<KnotCoupling, kSegments> coupling;
+    std::array<CarriedRows, 2> carried_rows;
+  };
+  struct Dual {
+    std::array<FactorBlock, kSegments> factor;
+    std::array<Real, kBlockSize * kSegments> optimum;
+    std::array<Real, kBlockSize * kSegments> solution;
+    std::array<Real, kBlockSize * kSegments> work;
+    std::array<QpRow, kActive> rows;
+    std::array<Real, kActive> multipliers;
+    std::array<Real, kActive> target;
+    std::array<Real, kActive> direction;
+    std::array<Real, kActive*(kActive + 1) / 2> gram_factor;
+  };
+  /// One after the other, never both: each writes what it reads.
+  union Solver {
+    Solver() : dual{} {}
+    Pivoting pivoting;
+    Dual dual;
+  };
+
+  Solver solver_;
+  std::array<Real, kBlockSize * kSegments> states_;
   std::array<Real, kSegments> scales_;
   std::array<Violation, kSegments> violations_;
+  std::array<QpLabel, kActive> labels_;
 };
 
 /// Memory of the refinement of times.

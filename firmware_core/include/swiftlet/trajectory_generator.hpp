@@ -5,6 +5,7 @@
 #include <span>
 
 #include "swiftlet/dual_active_set.hpp"
+#include "swiftlet/knot_spline.hpp"
 #include "swiftlet/status.hpp"
 #include "swiftlet/trajectory.hpp"
 #include "swiftlet/types.hpp"
@@ -23,8 +24,8 @@ inline constexpr Real kFeasibility = sizeof(Real) == 8 ? Real(1e-8) : Real(2e-4)
 
 /// How exactly a problem is solved; the default is what an emitted trajectory gets. The cap on the steps is derived
 /// from measurement (`qp_bench --limits` of tests/bench/qp, 648 random corridors of 5 to 320 boxes at zero margins,
-/// infeasible ones included): none met the cap; the three axes together took at most 97 steps at 10 boxes, 484 at 40
-/// and 1,033 at 160.
+/// infeasible ones included): none met the cap; the three axes together took at most 131 sweeps and steps at 10 boxes,
+/// 176 at 40 and 394 at 320.
 struct SolveEffort {
   Real tolerance = kFeasibility;         ///< excess that counts as no violation [m, m/s, m/s^2]
   std::uint32_t steps_per_segment = 10;  ///< active-set steps on an axis: 100, and this many a segment
@@ -35,7 +36,8 @@ struct SolveEffort {
 
 /// The unit of work, in which budgets are counted: one active-set step of one axis, per segment. Setting up an axis,
 /// its sweeps and its emission count as so many steps.
-inline constexpr std::uint64_t kWorkOfSetUp = 8;
+inline constexpr std::uint32_t kWorkOfSetUp = 8;
+inline constexpr std::uint32_t kWorkOfSweep = 2;  ///< of block pivoting
 
 /// One trajectory-generation problem: M boxes, M - 1 gates inside both neighbours, M durations; limits per axis,
 /// infinity for none.
@@ -64,7 +66,7 @@ struct Blocking {
 };
 
 struct TrajectoryReport {
-  std::uint32_t qp_iterations = 0;      ///< active-set steps, all axes, all solves
+  std::uint32_t qp_iterations = 0;      ///< sweeps of pivoting and active-set steps, all axes, all solves
   std::uint32_t constraints_added = 0;  ///< rows ever generated
   std::uint32_t active = 0;             ///< rows active at the end, all axes
   Real residual = 0;                    ///< largest distance of an active row from its bound [m, m/s, m/s^2]
@@ -87,9 +89,12 @@ struct Violation {
 
 /// Work space of the generator for up to M segments; see storage.hpp.
 struct TrajectorySpans {
+  PivotingSpans pivoting;           ///< may share its memory with `qp`: they are not used at the same time
   QpSpans qp;                       ///< M - 1 blocks
+  std::span<Real> states;           ///< 3 M: p [m], v [m/s], a [m/s^2] at the junctions
   std::span<Real> scales;           ///< M - 1 [s]
   std::span<Violation> violations;  ///< M
+  std::span<QpLabel> labels;        ///< Q: the set that one solver leaves to the other
 };
 
 /// What one solve leaves for the next one on the same boxes: the active rows of each axis. Storage for Q labels an
@@ -99,9 +104,9 @@ struct WarmStart {
   std::array<std::size_t, 3> count{};
 };
 
-/// Minimum-jerk trajectory for the durations as given (Sec. IV-B to IV-D): one dual active-set run an axis, rows
-/// generated lazily at violating extrema. With margins that cannot be met the run is repeated without. Bounds hold to
-/// the effort's tolerance at every t.
+/// Minimum-jerk trajectory for the durations as given (Sec. IV-B to IV-D), each axis by block pivoting and, where that
+/// leaves it open, by the dual active-set method; rows are generated lazily at violating extrema. With margins that
+/// cannot be met both are repeated without. Bounds hold to the effort's tolerance at every t.
 ///   segments   receives M segments, in frame W
 ///   warm       nullptr, or the active rows of an earlier solve to start from; receives those of this one
 ///   gradient   empty, or receives M elements: the derivative of the summed optimal cost by each duration (envelope

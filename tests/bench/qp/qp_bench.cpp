@@ -305,9 +305,19 @@ std::vector<Column> run_set(const std::vector<Corridor>& all, std::span<const st
   return columns;
 }
 
-void print_table(const char* title, std::span<const std::size_t> lengths, std::span<const std::unique_ptr<Peer>> peers,
-                 const std::vector<std::vector<Column>>& results) {
-  std::printf("\n### %s\n\n| solver |", title);
+void append(const std::vector<Column>& some, std::vector<Column>& all) {
+  all.resize(some.size());
+  for (std::size_t s = 0; s < some.size(); ++s) {
+    all[s].ms.insert(all[s].ms.end(), some[s].ms.begin(), some[s].ms.end());
+    all[s].cost_difference.insert(all[s].cost_difference.end(), some[s].cost_difference.begin(),
+                                  some[s].cost_difference.end());
+    all[s].failed += some[s].failed;
+  }
+}
+
+void print_table(const std::string& title, std::span<const std::size_t> lengths,
+                 std::span<const std::unique_ptr<Peer>> peers, const std::vector<std::vector<Column>>& results) {
+  std::printf("\n### %s\n\n| solver |", title.c_str());
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     std::printf(" M=%zu (%zu) |", lengths[i], results[i][0].ms.size());
   }
@@ -404,15 +414,18 @@ int run(const Options& options) {
   std::printf(
       "Median CPU time of a trajectory in ms; in brackets the ratio to the first peer. Corridors counted: M=... "
       "(n).\n");
-  for (const auto& [title, gates, times] : {std::tuple{"windows, trap", Gates::kWindows, Times::kTrap},
-                                            {"windows, tight", Gates::kWindows, Times::kTight},
-                                            {"relaxed, trap", Gates::kRelaxed, Times::kTrap},
-                                            {"relaxed, tight", Gates::kRelaxed, Times::kTight}}) {
-    std::vector<std::vector<Column>> results;
-    for (const std::size_t count : lengths) {
-      results.push_back(run_set(corridors(options, gates, times, count), peers, count));
+  for (const Gates gates : {Gates::kWindows, Gates::kRelaxed}) {
+    const std::string kind = gates == Gates::kWindows ? "windows" : "relaxed";
+    std::vector<std::vector<Column>> both(lengths.size());
+    for (const Times times : {Times::kTrap, Times::kTight}) {
+      std::vector<std::vector<Column>> results;
+      for (const std::size_t count : lengths) {
+        results.push_back(run_set(corridors(options, gates, times, count), peers, count));
+      }
+      print_table(kind + (times == Times::kTrap ? ", trap" : ", tight"), lengths, peers, results);
+      for (std::size_t i = 0; i < lengths.size(); ++i) append(results[i], both[i]);
     }
-    print_table(title, lengths, peers, results);
+    print_table(kind + ", trap and tight", lengths, peers, both);
   }
   return 0;
 }
