@@ -20,17 +20,14 @@ struct Range {
   [[nodiscard]] bool lies_in(const Range& outer) const { return least >= outer.least && most <= outer.most; }
 };
 
+/// The positions that a segment may take, tolerance included.
+Range allowed_positions(const AxisBounds& bounds, std::size_t segment) {
+  return {bounds.lower(segment, 0) - bounds.tolerance(), bounds.upper(segment, 0) + bounds.tolerance()};
+}
+
 /// Control points of the next derivative, but for its unit.
 void differentiate(ControlPoints& points) {
   for (std::size_t i = 0; i + 1 < points.size(); ++i) points[i] = points[i + 1] - points[i];
-}
-
-/// Largest magnitude of the first kCount control points.
-template <std::size_t kCount>
-Real largest(const ControlPoints& points) {
-  Real largest = std::fabs(points[0]);
-  for (std::size_t i = 1; i < kCount; ++i) largest = std::max(largest, std::fabs(points[i]));
-  return largest;
 }
 
 /// Range of the first `count` control points of each of the two halves (de Casteljau).
@@ -103,9 +100,8 @@ std::array<bool, 3> SegmentSweep::suspects(std::size_t segment, const QuinticEnd
   const Real acceleration =
       std::max(std::max(std::fabs(v1 - v0), std::fabs(v2 - v1)), std::max(std::fabs(v3 - v2), std::fabs(v4 - v3)));
   const Real T = bounds_.axis.durations[segment];
-  const bool inside = least >= bounds_.lower(segment, 0) - bounds_.tolerance() &&
-                      most <= bounds_.upper(segment, 0) + bounds_.tolerance();
-  return {!inside, !(speed <= largest_difference_[0] * T), !(acceleration <= largest_difference_[1] * (T * T))};
+  return {!Range{least, most}.lies_in(allowed_positions(bounds_, segment)), !(speed <= largest_difference_[0] * T),
+          !(acceleration <= largest_difference_[1] * (T * T))};
 }
 
 bool SegmentSweep::find_worst_of(const std::array<bool, 3>& suspect, std::size_t segment, const QuinticEnds& ends,
@@ -113,15 +109,14 @@ bool SegmentSweep::find_worst_of(const std::array<bool, 3>& suspect, std::size_t
   const Real T = bounds_.axis.durations[segment];
   const Quintic quintic = quintic_from_ends(ends);
   ControlPoints points = quintic_control_points(ends);
+  const Real v = largest_difference_[0] * T;
+  const Real a = largest_difference_[1] * (T * T);
+  const std::array<Range, 3> allowed{allowed_positions(bounds_, segment), Range{-v, v}, Range{-a, a}};
   WorstViolation worst(bounds_, segment, violation);
   for (int derivative = 0; derivative <= 2; ++derivative) {
-    const Real most = derivative == 0 ? 0 : largest_difference_[static_cast<std::size_t>(derivative - 1)];
-    const Real limit = derivative == 1 ? most * T : most * (T * T);
-    const Range allowed = derivative == 0 ? Range{bounds_.lower(segment, 0) - bounds_.tolerance(),
-                                                  bounds_.upper(segment, 0) + bounds_.tolerance()}
-                                          : Range{-limit, limit};
     if (suspect[static_cast<std::size_t>(derivative)] &&
-        !hull_of_halves(points, points.size() - static_cast<std::size_t>(derivative)).lies_in(allowed)) {
+        !hull_of_halves(points, points.size() - static_cast<std::size_t>(derivative))
+             .lies_in(allowed[static_cast<std::size_t>(derivative)])) {
       worst.check_extrema(quintic, derivative);
     }
     differentiate(points);
